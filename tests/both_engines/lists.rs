@@ -7,7 +7,7 @@ use vibrochain_breather::{
     Completeness, Condition, Family, Finder, LoadedStructure, Orbit, OrbitList, Scope, Word, admissibility,
 };
 use vibrochain_floquet::{Analyser, Tolerance, stability};
-use vibrochain_lattice::{Force, Harmonic, Point, Structure};
+use vibrochain_lattice::{Force, Harmonic, Model, Point, Structure};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
 use crate::{matrices, structure, word};
@@ -135,6 +135,11 @@ impl Tally {
         let (Ok(one), Ok(two)) = (told, stability(other, Tolerance::Rounding)) else { return };
         let (one, two) = (one.verdict, two.verdict);
         // What a chain tells of a forced orbit is an estimate: of 3 masses at γ₃ = 1.4e-5 it is off by six times as much (many digits: 259.86246534848782).
+        // A mode that its impacts do not feel and no dashpot damps is on the circle, and decides nothing; from matrices it has rounding for a dashpot.
+        let on_circle = two.undecided && (two.spectral_radius - 1.0).abs() <= two.resolution;
+        if on_circle && chain.model().is_some_and(Model::is_damped) && one.spectral_radius < 1.0 {
+            return;
+        }
         let room = 16.0 * one.resolution + 2.0 * two.resolution + rounded * one.spectral_radius;
         assert!((one.spectral_radius - two.spectral_radius).abs() <= room, "{what}: {one:?} {two:?}");
         if !one.undecided && !two.undecided {
@@ -188,6 +193,47 @@ fn families_are_words_of_a_structure() {
     let Tally { lists, ordered, orbits, physical, stable, unstable, complete, fewer, missed, worst, .. } = tally;
     assert!(lists > 2000 && complete > 1800 && fewer < 20 && missed < 5 && worst < 1.0, "{tally:?}");
     assert!(ordered == lists && orbits > 3500 && physical > 700 && stable > 1200 && unstable > 2000, "{tally:?}");
+}
+
+/// Rings, rows and layers with dashpots, under one harmonic or several: families, and words of two masses.
+#[test]
+fn lattices_with_dashpots_are_structures_of_matrices() {
+    let (mut random, mut tally) = (Random(23), Tally::default());
+    for number in 0..400 {
+        let gamma1 = if random.chance(0.1) { Values::Is(0.0) } else { Values::Even(0.05, 1.0) };
+        let restitution = if random.chance(0.2) { Values::Is(1.0) } else { Values::Even(0.3, 1.0) };
+        let ranges = Ranges { sites: [1, 6], gamma1, restitution, ..Ranges::FORCED };
+        let chain = random.lattice(&ranges);
+        // Weak ones, strong ones, and some between neighbours that feed what others lose.
+        let dashpot = |random: &mut Random, none: f64| if random.chance(none) { 0.0 } else { random.log(1e-4, 0.6) };
+        let (own, between) = (dashpot(&mut random, 0.2), dashpot(&mut random, 0.4));
+        let between = if random.chance(0.1) { -0.1 * own } else { between };
+        let point = random.model(&ranges).point().on(&chain).damping(own).coupling_damping(between);
+        let point = if random.chance(0.2) && !chain.has_walls() { point.under(&force(&mut random)) } else { point };
+        let Ok(model) = point.model() else { continue };
+        let (mut finder, mut found, other) = (Finder::new(chain.sites()), OrbitList::default(), structure(&model));
+        let site = random.below(chain.sites());
+        for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
+            let (name, periods) = word(family, if chain.is_ring() { 0 } else { site });
+            let asked = match chain.is_ring() {
+                true => finder.find(&model, family, &mut found),
+                false => finder.find_word_over(&model, &name, periods, &mut found),
+            };
+            let (Ok(()), Ok(list)) = (asked, other.orbits(&name, periods)) else { continue };
+            tally.compare(&format!("{number} {family} {model}"), (&found, &mut finder), &list);
+        }
+        if chain.sites() > 1 && chain.layers() == 1 {
+            let next = (site + 1) % chain.sites();
+            let sides = [(); 2].map(|()| random.of(&["+", "-"]));
+            let name: Word = format!("{site}{},{next}{}", sides[0], sides[1]).parse().unwrap();
+            let asked = finder.find_word(&model, &name, Scope::All, &mut found);
+            let (Ok(()), Ok(list)) = (asked, other.orbits(&name, 1)) else { continue };
+            tally.compare(&format!("{number} {name} {model}"), (&found, &mut finder), &list);
+        }
+    }
+    let Tally { lists, ordered, orbits, physical, stable, unstable, complete, missed, worst, .. } = tally;
+    assert!(lists > 900 && complete > 830 && missed == 0 && worst < 1.0, "{tally:?}");
+    assert!(ordered == lists && orbits > 1200 && physical > 100 && stable > 100 && unstable > 100, "{tally:?}");
 }
 
 /// The first harmonic and some of the next odd ones, whose phases are at times alike.

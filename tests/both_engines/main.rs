@@ -24,7 +24,11 @@ fn matrices(model: &Model) -> Structure {
     let contact = Contact { lower, upper, restitution: model.restitution() };
     let load = |amplitude: f64, phase: f64| DVector::from_element(n, Complex::from_polar(amplitude, phase));
     let harmonics = model.force().harmonics().iter();
+    let unit_springs = model.chain().point().gamma1(1.0).gamma2(1.0).gamma3(0.0).chain().unwrap();
+    let [own, between] = model.dashpots();
+    let damping = DMatrix::identity(n, n) * (own - between) + stiffness(&unit_springs) * between;
     Structure {
+        damping,
         mass: DMatrix::identity(n, n),
         stiffness: stiffness(model.chain()),
         contacts: (0..n).map(|site| (unit(site), contact)).collect(),

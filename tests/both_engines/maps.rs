@@ -31,13 +31,18 @@ fn coarse(text: &str, points: usize) -> String {
 #[test]
 fn cells_of_shipped_maps_are_those_of_structures() {
     let (mut live, mut stable) = (0, 0);
-    for (name, points) in [("conservative-n10", 23), ("forced-n20", 15), ("restitution-n20", 13), ("single-sided", 141)]
-    {
+    for (name, points) in [
+        ("conservative-n10", 23),
+        ("forced-n20", 15),
+        ("structures/damped-n20", 15),
+        ("restitution-n20", 13),
+        ("single-sided", 141),
+    ] {
         let text = fs::read_to_string(format!("scenes/{name}.toml")).unwrap();
         let text = coarse(&text, points);
-        // A key of damped chains makes it a structure.
-        let damped = text.replace("[model]\n", "[model]\ndamping = 0\n");
-        let (chain, other) = (cells::<Scene>(&text), cells::<StructureScene>(&damped));
+        // A key that lattices do not have makes it a structure.
+        let as_structure = text.replace("[model]\n", "[model]\nstatic_force = 0\n");
+        let (chain, other) = (cells::<Scene>(&text), cells::<StructureScene>(&as_structure));
         assert_eq!(chain.len(), other.len());
         for (number, (one, two)) in chain.iter().zip(&other).enumerate() {
             let told = format!("{name} {number}: {one:?} {two:?}");

@@ -115,6 +115,11 @@ pub enum BreatherError {
     /// What only lattices have is asked of another structure's orbit.
     #[error("this orbit is of a structure that is no lattice: ask its contacts, not its masses")]
     NoLattice,
+    /// What is asked for takes modes that nothing damps, and the lattice has dashpots.
+    #[error(
+        "this takes modes that nothing damps, and the lattice has dashpots: leave damping and coupling_damping at 0"
+    )]
+    Dashpots,
     /// Impacts that are not in the order of time within one period.
     #[error("the impacts are not in order of time within one period of the orbit{}", if *found { ", where Newton's method has led" } else { "" })]
     OutOfOrder {
@@ -170,6 +175,8 @@ pub enum Unsearched {
     Uncoupled,
     /// One mass hits more than twice, or twice in several periods of the force.
     ManyImpacts,
+    /// Dashpots, of which one may feed the motion, and no force: an orbit would have a period of its own.
+    OwnPeriod,
     /// A mass that γ₁ = 0 leaves without any spring once it is not coupled: there is nothing to follow.
     Unheld,
 }
@@ -186,6 +193,9 @@ impl fmt::Display for Unsearched {
             }
             Self::ManyImpacts => {
                 "a mass that hits more than twice in a period of the force, or not as often as there are periods, has no closed form to begin from; give the word as many periods of the force as its masses have impacts alike, or an orbit nearby"
+            }
+            Self::OwnPeriod => {
+                "without a force a dashpot of negative damping gives an orbit a period of its own, which is not that of omega; ask for the chain as a structure"
             }
             Self::Unheld => {
                 "with gamma1 = 0 masses without coupling have no springs to begin from; give an orbit nearby"
@@ -237,7 +247,7 @@ impl fmt::Display for NoBreather {
             Self::LossWithoutForce => {
                 write!(
                     f,
-                    "impacts lose energy (restitution < 1) and no force restores it: give an amplitude or restitution 1"
+                    "impacts lose energy (restitution < 1), or dashpots do, and no force restores it: give an amplitude, or restitution 1 and no dashpots"
                 )
             }
             Self::NeedsForce => write!(f, "this family exists under a force only: give amplitude and restitution"),

@@ -9,9 +9,11 @@
 //!
 //! Every answer names its path, see [`Method`].
 
+use std::sync::Arc;
+
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, Finder, LatticeOrbit, Orbit};
-use vibrochain_lattice::aside;
+use vibrochain_breather::{BreatherError, ContactOrbit, Finder, LatticeOrbit, Orbit};
+use vibrochain_lattice::{Model, aside};
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::error::FloquetError;
@@ -73,8 +75,8 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
-        if let Some(contacts) = orbit.contacts() {
-            return BlochProblem::of(contacts).quick_verdict(self, tolerance);
+        if let Some(contacts) = by_contacts(orbit, finder)? {
+            return BlochProblem::of(&contacts).quick_verdict(self, tolerance);
         }
         let lattice = orbit.lattice()?;
         self.decide(Question { orbit: lattice, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
@@ -131,8 +133,8 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Multipliers, FloquetError> {
-        if let Some(contacts) = orbit.contacts() {
-            return structures::multipliers(contacts, tolerance);
+        if let Some(contacts) = by_contacts(orbit, finder)? {
+            return structures::multipliers(&contacts, tolerance);
         }
         let orbit = orbit.lattice()?;
         let (verdict, found) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
@@ -265,6 +267,12 @@ impl Analyser {
         let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
         Ok(Some((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers)))
     }
+}
+
+/// The orbit as contacts know it, where that tells all: of structures, and of lattices with dashpots, for no path of its own knows of these.
+fn by_contacts(orbit: &Orbit, finder: &mut Finder) -> Result<Option<Arc<ContactOrbit>>, FloquetError> {
+    let all = orbit.model().is_none_or(Model::is_damped);
+    Ok(if all { Some(finder.at_contacts(orbit)?) } else { None })
 }
 
 /// Verdict and, if they are asked for, multipliers from all zeros of the determinant of the impacts' equations; of impacts at several sites with those

@@ -101,8 +101,8 @@ fn by_determinant(
     finder: &mut Finder,
     count: usize,
 ) -> Result<Option<Vec<FloquetMode>>, FloquetError> {
-    // Of masses without coupling the equations know one alone.
-    if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
+    // Of masses without coupling the equations know one alone; and they follow modes without dashpots.
+    if orbit.centre().is_none() || orbit.model().is_damped() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
         return Ok(None);
     }
     let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Chain, Shapes, Spectrum};
 use crate::map_paths::{by_frequency, sort_felt};
 
 /// Multipliers of the modes that have a node at the one site that is hit, exactly e^{±iΩ_kT}: on a ring those odd about it, in
-/// pairs, k = 1 … ⌊(M−1)/2⌋. `None` for impacts at several sites, and of other structures.
+/// pairs, k = 1 … ⌊(M−1)/2⌋. `None` for impacts at several sites, with dashpots, and of other structures.
 pub fn odd_multipliers(orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
     let modes = spared_modes(orbit.lattice().ok()?)?;
     let both = |f: f64| [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * f * orbit.period()));
@@ -34,7 +34,7 @@ fn felt(chain: &Chain, site: usize, frequencies: &[f64]) -> Vec<u32> {
 /// Number and frequency of each mode that the impacts at the orbit's one site do not feel; of several modes with one frequency all but
 /// one combination.
 pub(crate) fn spared_modes(orbit: LatticeOrbit<'_>) -> Option<Vec<(usize, f64)>> {
-    let site = orbit.impact_site()?;
+    let site = orbit.impact_site().filter(|_| !orbit.model().is_damped())?;
     let chain = orbit.model().chain();
     let spectrum = Spectrum::new(*chain);
     let frequencies = spectrum.frequencies();

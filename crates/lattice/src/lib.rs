@@ -73,7 +73,9 @@ pub use flight::propagator::Propagator;
 pub use kernel::decay::{Decay, decay, far_field, far_motion, harmonic_response};
 pub use kernel::impulse::{ImpulseResponse, KernelJet};
 pub use kernel::steady::Steady;
-pub use kernel::{BlochJet, BlochKernel, BlochMode, Coordinates, ModeCluster, ModeFlow, Turn, Turned};
+pub use kernel::{
+    BlochJet, BlochKernel, BlochMode, Coordinates, ModeCluster, ModeFlow, Turn, Turned, oscillator_flight,
+};
 pub use model::chain::{Barrier, Chain, Layout, MAX_SITES};
 pub use model::force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use model::parameter::{DampedParameter, Parameter, Part, Range, Row};

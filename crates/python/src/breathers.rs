@@ -22,7 +22,7 @@ use crate::params::PyModel;
 /// >>> found.orbits, found.completeness.established
 /// ([], True)
 /// >>> found.reason
-/// 'impacts lose energy (restitution < 1) and no force restores it: give an amplitude or restitution 1'
+/// 'impacts lose energy (restitution < 1), or dashpots do, and no force restores it: give an amplitude, or restitution 1 and no dashpots'
 #[pyclass(frozen, sequence, name = "Breathers", module = "vibrochain")]
 #[derive(Serialize, Deserialize)]
 pub(crate) struct PyBreathers {

@@ -16,7 +16,8 @@ use crate::params::{PyChain, PyForce, PyModel, parameter};
 #[pymethods]
 impl PyModel {
     #[new]
-    #[pyo3(signature = (chain, omega, asymmetry, *, amplitude = None, force = None, restitution = None))]
+    #[pyo3(signature = (chain, omega, asymmetry, *, amplitude = None, force = None, restitution = None, damping = 0.0, coupling_damping = 0.0))]
+    #[expect(clippy::too_many_arguments, reason = "those of a call in Python, by their names")]
     fn new(
         chain: PyRef<'_, PyChain>,
         omega: f64,
@@ -24,6 +25,8 @@ impl PyModel {
         amplitude: Option<f64>,
         force: Option<PyRef<'_, PyForce>>,
         restitution: Option<f64>,
+        damping: f64,
+        coupling_damping: f64,
     ) -> PyResult<Self> {
         let restitution = match restitution {
             Some(restitution) => restitution,
@@ -31,6 +34,7 @@ impl PyModel {
             None => return Err(without_restitution().into()),
         };
         let point = chain.0.point().omega(omega).asymmetry(asymmetry).restitution(restitution);
+        let point = point.damping(damping).coupling_damping(coupling_damping);
         let point = match (amplitude, force) {
             (Some(amplitude), Some(_)) => {
                 let message = format!(
@@ -63,7 +67,7 @@ impl PyModel {
         PyForce(*self.0.force())
     }
 
-    /// bool : no force and elastic impacts.
+    /// bool : no force, elastic impacts and no dashpots.
     #[getter]
     fn conservative(&self) -> bool {
         self.0.is_conservative()
@@ -74,7 +78,7 @@ impl PyModel {
     /// Parameters
     /// ----------
     /// **values : float
-    ///     Any of gamma1, gamma2, gamma3, omega, asymmetry, amplitude, restitution. The amplitude of a force of several harmonics
+    ///     Any of gamma1, gamma2, gamma3, omega, asymmetry, amplitude, restitution, damping, coupling_damping. The amplitude of a force of several harmonics
     ///     is the sum of their moduli: all are scaled alike. What had no force and gets one needs restitution, too.
     ///
     /// Returns

@@ -248,8 +248,8 @@ impl PyForce {
 
 /// A chain with its barriers, its force and its law of impact.
 ///
-/// Each mass n moves by u'' = -gamma1 u - gamma2 (2u - left - right) + F(t + psi) between barriers at a - 1 and a + 1, where its
-/// velocity v becomes -e v. All is dimensionless.
+/// Each mass n moves by u'' = -gamma1 u - gamma2 (2u - left - right) + F(t + psi), with dashpots less c u' + c2 (2u' - left' - right'),
+/// between barriers at a - 1 and a + 1, where its velocity v becomes -e v. All is dimensionless.
 ///
 /// Parameters
 /// ----------
@@ -265,6 +265,8 @@ impl PyForce {
 ///     Instead of `amplitude`: a force of several harmonics.
 /// restitution : float
 ///     Coefficient e of restitution, above 0 and up to 1. A force needs one; without a force it is 1 unless it is given.
+/// damping, coupling_damping : float
+///     Dashpots c between each mass and the ground, and c2 in each spring along the rows.
 ///
 /// Raises
 /// ------

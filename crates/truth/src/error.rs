@@ -28,6 +28,9 @@ pub enum TruthError {
     /// The orbit is of a structure that is no lattice.
     #[error("this orbit is of a structure that is no lattice: ask TrueStructureOrbit")]
     NoLattice,
+    /// The orbit is of a lattice with dashpots.
+    #[error("this orbit is of a lattice with dashpots: ask TrueStructureOrbit")]
+    Dashpots,
     /// Impacts lose energy and no force restores it.
     #[error("restitution below 1 without a force: no periodic orbit exists; give an amplitude or restitution 1")]
     Dissipative,

@@ -11,6 +11,12 @@ use crate::error::TruthError;
 use crate::kernel::Kernel;
 use crate::real::Real;
 
+/// The model of an orbit of a lattice without dashpots.
+pub(crate) fn undamped(orbit: &Orbit) -> Result<&Model, TruthError> {
+    let model = orbit.model().ok_or(TruthError::NoLattice)?;
+    if model.is_damped() { Err(TruthError::Dashpots) } else { Ok(model) }
+}
+
 /// One impact of a [`TrueOrbit`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueImpact {
@@ -79,7 +85,7 @@ impl TrueOrbit {
     /// [`TruthError::NotConverged`] where Newton's method does not settle, or settles on another orbit;
     /// [`TruthError::Singular`], [`TruthError::Resonance`]; [`TruthError::Dissipative`] for e < 1 without force.
     pub fn refine(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
-        let model = orbit.model().ok_or(TruthError::NoLattice)?;
+        let model = undamped(orbit)?;
         let chain = model.chain();
         let forced = model.amplitude() > 0.0;
         if !forced && model.restitution() < 1.0 {

@@ -32,7 +32,8 @@ impl Motion {
         };
         let (neighbours, modes) = self.sizes(&around);
         let own = around.own;
-        let by_modes = modes < neighbours;
+        // What neighbours move at is not looked at: with dashpots the modes tell.
+        let by_modes = modes < neighbours || !self.decays.is_empty();
         let from_forces = || self.chain.spring_force(own.displacement, around.sides) + self.force.value(self.now_time);
         (own, if by_modes { own.acceleration } else { from_forces() })
     }
@@ -69,7 +70,7 @@ impl Motion {
 
     /// [`Motion::seek`] to the start of an interval and [`Motion::around`] in one pass, for the one site of a small ring that is hit.
     fn started(&mut self, i: usize, site: usize) -> Option<Around> {
-        if self.table.is_empty() || self.sites != [site] || !self.chain.is_ring() {
+        if self.table.is_empty() || self.sites != [site] || !self.chain.is_ring() || !self.decays.is_empty() {
             return None;
         }
         let (places, modes) = (self.table_of.1, self.frequencies.len());

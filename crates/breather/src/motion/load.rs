@@ -1,9 +1,10 @@
 //! The motion of an orbit from its impacts: the modes at the start of every interval between them.
 
-use vibrochain_lattice::ImpulseResponse;
 use vibrochain_lattice::simd::lanes::{LANES, groups};
+use vibrochain_lattice::{ImpulseResponse, Shapes};
 
 use super::Motion;
+use super::dying::DyingModes;
 use crate::orbit::{Hit, LatticeOrbit};
 
 /// The most numbers of a table of shapes: those of 128 modes at as many places.
@@ -21,25 +22,9 @@ impl Motion {
             // An orbit just found is there already.
             return;
         }
-        self.origin.uniform_offset = orbit.uniform_offset();
-        self.origin.impacts.clear();
-        self.origin.impacts.extend(orbit.impacts().iter().map(Hit::from));
-        self.origin.net_impulses.clear();
-        self.origin.net_impulses.extend(net_impulses(orbit));
-        if !self.shapes.are_of(model.chain()) {
-            self.shapes = response.shapes().clone();
-            self.table.clear();
-        }
-        self.set_table(orbit, response.modes());
-        self.frequencies.clear();
-        self.frequencies.extend_from_slice(response.frequencies());
+        self.begin(orbit, response.shapes(), response.frequencies());
+        self.decays.clear();
         self.period = response.period();
-        (self.psi, self.steady, self.force) = (orbit.psi_or_zero(), *orbit.steady(), model.force_wave());
-        self.chain = *model.chain();
-        self.sites.clear();
-        self.sites.extend(orbit.sources().iter().map(|source| source.site));
-        self.starts.clear();
-        self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
         let (weights, uniform) = (response.weights(), !model.chain().has_walls());
         self.states.clear();
         for (i, &start) in self.starts.iter().enumerate() {
@@ -77,9 +62,75 @@ impl Motion {
         self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
     }
 
+    /// Takes over an orbit of a lattice with dashpots.
+    pub(crate) fn load_dying(&mut self, orbit: LatticeOrbit<'_>) {
+        let (model, period) = (orbit.model(), orbit.period());
+        if self.is_loaded(orbit, period) {
+            return;
+        }
+        let known = self.dying.take().filter(|modes| modes.are_of(model, period));
+        let modes = known.unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
+        self.begin(orbit, &modes.shapes, &modes.frequencies);
+        self.decays.clone_from(&modes.decays);
+        self.period = period;
+        self.states.clear();
+        for (i, &start) in self.starts.iter().enumerate() {
+            if i > 0 && start == self.starts[i - 1] {
+                self.states.extend_from_within(self.states.len() - orbit.sources().len() * modes.weights.len()..);
+                continue;
+            }
+            for (s, source) in orbit.sources().iter().enumerate() {
+                let from = self.states.len();
+                self.states.resize(from + modes.weights.len(), (0.0, 0.0));
+                let states = &mut self.states[from..];
+                // Where nothing holds the lattice its place is not that of its impulses.
+                if s == 0 {
+                    states[0].0 = orbit.uniform_offset() / modes.weights[0];
+                }
+                for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
+                    let elapsed = start - impact.time;
+                    modes.add_response(states, impact.impulse, if elapsed < 0.0 { elapsed + period } else { elapsed });
+                }
+                for ((q, p), weight) in states.iter_mut().zip(&modes.weights) {
+                    (*q, *p) = (weight * *q, weight * *p);
+                }
+            }
+        }
+        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+        self.dying = Some(modes);
+    }
+
+    /// Takes over all but what modes do.
+    fn begin(&mut self, orbit: LatticeOrbit<'_>, shapes: &Shapes, frequencies: &[f64]) {
+        let model = orbit.model();
+        (self.origin.uniform_offset, self.origin.dashpots) = (orbit.uniform_offset(), model.dashpots());
+        self.origin.impacts.clear();
+        self.origin.impacts.extend(orbit.impacts().iter().map(Hit::from));
+        self.origin.net_impulses.clear();
+        self.origin.net_impulses.extend(net_impulses(orbit));
+        if !self.shapes.are_of(model.chain()) {
+            self.shapes = shapes.clone();
+            self.table.clear();
+        }
+        self.set_table(orbit, frequencies.len());
+        self.frequencies.clear();
+        self.frequencies.extend_from_slice(frequencies);
+        (self.psi, self.steady, self.force) = (orbit.psi_or_zero(), *orbit.steady(), model.force_wave());
+        self.chain = *model.chain();
+        self.sites.clear();
+        self.sites.extend(orbit.sources().iter().map(|source| source.site));
+        self.starts.clear();
+        self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
+    }
+
     /// Holds this orbit already.
     pub(crate) fn is_of(&self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) -> bool {
-        self.period == response.period()
+        self.is_loaded(orbit, response.period())
+    }
+
+    fn is_loaded(&self, orbit: LatticeOrbit<'_>, period: f64) -> bool {
+        self.period == period
+            && self.origin.dashpots == orbit.model().dashpots()
             && self.psi == orbit.psi_or_zero()
             && self.origin.uniform_offset == orbit.uniform_offset()
             && self.origin.impacts.iter().copied().eq(orbit.impacts().iter().map(Hit::from))

@@ -1,21 +1,25 @@
 //! The motion of every mass along an orbit, exact at any time.
 //!
-//! Between two impacts each mode is one sinusoid. A [`Motion`] holds, for every interval between impacts, the
+//! Between two impacts each mode is one sinusoid, or with dashpots a dying one. A [`Motion`] holds, for every interval between impacts, the
 //! modes' displacement and velocity at its start (from the periodic impulse response, so that no error is carried
 //! from one interval to the next) and swings them forward.
 
 mod around;
+mod dying;
 mod load;
 pub(crate) mod polynomial;
 pub(crate) mod window;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, combine, fill, groups};
-use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
+use vibrochain_lattice::{
+    Chain, Complex, ImpulseResponse, ModeFlow, Shapes, Spectrum, Steady, Turn, Wave, oscillator_flight,
+};
 
 use crate::admissible::grid::Flight;
 use crate::error::BreatherError;
 use crate::orbit::{Hit, Orbit};
+use dying::DyingModes;
 
 /// Modes added up before they go into the sum over a large ring.
 const BLOCK: usize = 256;
@@ -24,6 +28,7 @@ const BLOCK: usize = 256;
 #[derive(Debug, Clone, Default)]
 struct Origin {
     uniform_offset: f64,
+    dashpots: [f64; 2],
     /// Site, time, impulse.
     impacts: SmallVec<[Hit; 2]>,
     net_impulses: SmallVec<[f64; 1]>,
@@ -71,6 +76,10 @@ pub struct Motion {
     sums: Vec<Lane>,
     origin: Origin,
     frequencies: Vec<f64>,
+    /// δ of each mode; without dashpots none.
+    decays: Vec<f64>,
+    /// The modes of the lattice with dashpots last asked for.
+    dying: Option<Box<DyingModes>>,
     period: f64,
     psi: f64,
     steady: Steady,
@@ -97,6 +106,8 @@ impl Motion {
             sums: Vec::new(),
             origin: Origin::default(),
             frequencies: Vec::new(),
+            decays: Vec::new(),
+            dying: None,
             period: 1.0,
             psi: 0.0,
             steady: Steady::default(),
@@ -117,8 +128,14 @@ impl Motion {
     /// [`BreatherError::NoLattice`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
         let orbit = orbit.lattice()?;
-        let response = ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency())?;
-        let mut motion = Self::vacant(orbit.model().chain(), response.shapes().clone());
+        let (model, chain) = (orbit.model(), orbit.model().chain());
+        if model.is_damped() {
+            let mut motion = Self::vacant(chain, Shapes::new(chain));
+            motion.load_dying(orbit);
+            return Ok(motion);
+        }
+        let response = ImpulseResponse::new(&Spectrum::new(*chain), orbit.frequency())?;
+        let mut motion = Self::vacant(chain, response.shapes().clone());
         motion.load(orbit, &response);
         Ok(motion)
     }
@@ -127,6 +144,7 @@ impl Motion {
     pub(crate) fn give_back(&mut self) {
         self.shapes.give_back();
         (self.frequencies, self.states, self.now) = Default::default();
+        (self.decays, self.dying) = Default::default();
         self.period = f64::NAN;
     }
 
@@ -161,6 +179,14 @@ impl Motion {
         let states = self.states.get(i * self.now.len()..).unwrap_or_default();
         for (now, states) in self.now.chunks_exact_mut(modes).zip(states.chunks_exact(modes)) {
             let modes = now.iter_mut().zip(states).zip(&self.frequencies);
+            if !self.decays.is_empty() {
+                for (((now, &(q, p)), &frequency), &decay) in modes.zip(&self.decays) {
+                    let [[a, b], [c, d]] = oscillator_flight(frequency, decay, elapsed);
+                    let (q, p) = (a * q + b * p, c * q + d * p);
+                    *now = [q, p, -frequency * frequency * q - 2.0 * decay * p];
+                }
+                continue;
+            }
             if elapsed == 0.0 {
                 modes.for_each(|((now, &(q, p)), frequency)| *now = [q, p, -frequency * frequency * q]);
                 continue;
@@ -309,6 +335,14 @@ impl Motion {
 
     /// The highest frequency in the motion between impacts.
     pub(crate) fn top_frequency(&self) -> f64 {
+        if !self.decays.is_empty() {
+            let fastest = |(&frequency, &decay): (&f64, &f64)| {
+                let ModeFlow { turn, rate, .. } = ModeFlow::oscillator(frequency, decay);
+                if turn == Turn::Hyperbolic { decay.abs() + rate } else { frequency.max(decay.abs()) }
+            };
+            let modes = self.frequencies.iter().zip(&self.decays);
+            return modes.map(fastest).fold(self.steady.top_rate(), f64::max);
+        }
         self.frequencies.last().copied().unwrap_or_default().max(self.steady.top_rate())
     }
 

@@ -1,10 +1,10 @@
 //! Orbits from their impulses: velocities, accelerations and what the defining equations leave, by superposition.
 
-use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{ImpulseResponse, Model, Shapes, Spectrum};
 
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Family, Hit, Impact, LatticePart, Of, Orbit, sources};
+use crate::orbit::{Draft, Family, Hit, Impact, LatticeOrbit, LatticePart, Of, Orbit, sources};
 use crate::worse;
 
 impl Orbit {
@@ -14,6 +14,28 @@ impl Orbit {
         response: &ImpulseResponse,
         motion: &mut Motion,
         draft: Draft,
+    ) -> Result<Self, BreatherError> {
+        Self::assemble_by(model, motion, draft, |motion, orbit| motion.load(orbit, response))
+    }
+
+    /// The same of a model with or without dashpots; its impulse response, if it has none.
+    fn assemble_any(
+        model: &Model,
+        response: Option<&ImpulseResponse>,
+        motion: &mut Motion,
+        draft: Draft,
+    ) -> Result<Self, BreatherError> {
+        match response {
+            Some(response) => Self::assemble(model, response, motion, draft),
+            None => Self::assemble_by(model, motion, draft, Motion::load_dying),
+        }
+    }
+
+    fn assemble_by(
+        model: &Model,
+        motion: &mut Motion,
+        draft: Draft,
+        load: impl FnOnce(&mut Motion, LatticeOrbit<'_>),
     ) -> Result<Self, BreatherError> {
         let e = model.restitution();
         let impact = |&Hit { site, barrier, time, impulse }: &Hit| Impact {
@@ -25,7 +47,7 @@ impl Orbit {
             velocity_after: e * impulse / (1.0 + e),
             acceleration: 0.0,
         };
-        let half = 0.5 * response.period();
+        let half = 0.5 * (model.period() * f64::from(draft.force_periods));
         let fixed = |hit: &Hit| hit.time == 0.0 || hit.time == half;
         let part = LatticePart {
             model: *model,
@@ -44,7 +66,7 @@ impl Orbit {
             of: Of::Lattice(part),
         };
         let known = orbit.lattice()?;
-        motion.load(known, response);
+        load(motion, known);
         let (length, velocity, loss) = (known.length_scale(), known.velocity_scale(), model.loss());
         for (i, impact) in orbit.impacts.iter_mut().enumerate() {
             let after;
@@ -87,13 +109,15 @@ impl Orbit {
             return bad(0, "give at least one impact and one period");
         }
         let omega = model.omega() / f64::from(force_periods);
-        let response = ImpulseResponse::new(&Spectrum::new(*chain), omega)?;
+        let spectrum = Spectrum::new(*chain);
+        let response = if model.is_damped() { None } else { Some(ImpulseResponse::new(&spectrum, omega)?) };
+        let (response, period) = (response.as_ref(), model.period() * f64::from(force_periods));
         let mut previous = 0.0;
         for (index, &Hit { site, time, impulse, .. }) in impacts.iter().enumerate() {
             if site >= chain.sites() {
                 return bad(index, "the site does not exist on this lattice");
             }
-            if !(previous..response.period()).contains(&time) {
+            if !(previous..period).contains(&time) {
                 return bad(index, "the times must rise from 0 and stay below the period");
             }
             if !impulse.is_finite() {
@@ -103,9 +127,11 @@ impl Orbit {
         }
         let sources = sources(impacts);
         let net: f64 = sources.iter().map(|source| source.net_impulse).sum();
-        let uniform_offset = match response.uniform_static() {
-            Some(uniform) => net * uniform,
-            None => {
+        let uniform_offset = match response.map(ImpulseResponse::uniform_static) {
+            Some(Some(uniform)) => net * uniform,
+            // Where all modes die, or are held, impulses say where they are.
+            None if !chain.is_adrift() => 0.0,
+            _ => {
                 let scale: f64 = impacts.iter().map(|impact| impact.impulse.abs()).sum();
                 if net.abs() > 4.0 * f64::EPSILON * scale {
                     return bad(0, "gamma1 = 0 without walls needs a net impulse of zero");
@@ -122,13 +148,14 @@ impl Orbit {
             uniform_offset,
             at_contacts: None,
         };
-        let mut motion = Motion::vacant(chain, response.shapes().clone());
+        let shapes = response.map_or_else(|| Shapes::new(chain), |response| response.shapes().clone());
+        let mut motion = Motion::vacant(chain, shapes);
         if chain.is_adrift() {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
-            Self::assemble(model, &response, &mut motion, draft.clone())?;
+            Self::assemble_any(model, response, &mut motion, draft.clone())?;
             let Hit { site, barrier, .. } = impacts[0];
             draft.uniform_offset = model.barrier(barrier) - motion.just_after(0, site).0.displacement;
         }
-        Self::assemble(model, &response, &mut motion, draft)
+        Self::assemble_any(model, response, &mut motion, draft)
     }
 }

@@ -3,8 +3,8 @@
 use vibrochain_lattice::{Barrier, Model, Wave};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::orbit::{Draft, Family, Orbit};
-use crate::search::as_structure;
+use crate::orbit::{Draft, Family, Impact, Orbit};
+use crate::search::as_structure::{self, of_masses};
 use crate::search::completeness::{Completeness, Searched};
 use crate::search::families::{conservative, two_instants};
 use crate::search::finder::{Finder, Scope};
@@ -62,6 +62,9 @@ impl Finder {
         self.stop.heard()?;
         self.zeros.clear();
         self.kernel_grid.clear();
+        if model.is_damped() {
+            return self.search_damped(model, Sought { family, word, periods }, home, wanted, found);
+        }
         let conservative = model.is_conservative();
         let out_of_question = match (conservative, family) {
             (true, Family::PeriodDoubled) => Some(NoBreather::NeedsForce),
@@ -192,5 +195,51 @@ impl Finder {
         });
         found.sort();
         Ok(())
+    }
+
+    /// The same of a lattice with dashpots: its structure's orbits, for no closed form knows of these.
+    fn search_damped(
+        &mut self,
+        model: &Model,
+        Sought { family, word, periods }: Sought,
+        home: usize,
+        wanted: Scope,
+        found: &mut OrbitList,
+    ) -> Result<(), BreatherError> {
+        let Some(word) = word.or_else(|| Word::of_family(family)) else {
+            found.completeness = Completeness::none(NoBreather::NotSearched(Unsearched::Unnamed));
+            return Ok(());
+        };
+        if let Some(reason) = at_rest(model) {
+            found.completeness = reason;
+            return Ok(());
+        }
+        if model.chain().is_adrift() && word.is_one_sided() {
+            found.completeness = Completeness::none(NoBreather::NetImpulse);
+            return Ok(());
+        }
+        let request = Request::new(&word, periods, wanted);
+        let (orbits, searched) = of_masses((model, &[home]), family, request, (&mut self.contact, &self.stop))?;
+        let pushes = |orbit: &Orbit| orbit.impacts().iter().all(Impact::is_right_signed);
+        let (listed, refused): (Vec<_>, Vec<_>) =
+            orbits.into_iter().partition(|orbit| !wanted.candidates() || pushes(orbit));
+        let (sound, unsound): (Vec<_>, Vec<_>) = listed.into_iter().partition(Orbit::is_sound);
+        let refused = searched.refused + refused.len();
+        found.orbits.extend(sound);
+        let (listed, lost) = (found.orbits.len(), searched.lost + unsound.len());
+        found.completeness = Completeness::of(&Searched { listed, refused, lost, ..searched });
+        found.sort();
+        Ok(())
+    }
+}
+
+/// Why a lattice with dashpots has no orbits without a force.
+pub(crate) fn at_rest(model: &Model) -> Option<Completeness> {
+    if model.amplitude() > 0.0 {
+        None
+    } else if model.dashpots().iter().any(|dashpot| *dashpot < 0.0) {
+        Some(Completeness::not_reached(NoBreather::NotSearched(Unsearched::OwnPeriod)))
+    } else {
+        Some(Completeness::none(NoBreather::LossWithoutForce))
     }
 }

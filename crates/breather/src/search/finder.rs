@@ -229,6 +229,11 @@ impl Finder {
 
     /// The motion of an orbit, and the impulse response.
     fn load(&mut self, orbit: LatticeOrbit<'_>) -> Result<(), BreatherError> {
+        if orbit.model().is_damped() {
+            self.stop.heard()?;
+            self.motion.load_dying(orbit);
+            return Ok(());
+        }
         self.prepare(orbit.model(), orbit.frequency())?;
         if self.earlier.is_of(orbit, &self.response) {
             std::mem::swap(&mut self.motion, &mut self.earlier);
@@ -321,6 +326,9 @@ impl Finder {
             return Ok(contacts.is_delicate());
         }
         let orbit = orbit.lattice()?;
+        if orbit.model().is_damped() {
+            return Ok(self.at_contacts(&orbit)?.is_delicate());
+        }
         self.prepare(orbit.model(), orbit.frequency())?;
         let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(f64::INFINITY, f64::min);
         if delicate(&self.response, orbit.model().omega(), (slowest, orbit.velocity_scale())) {
@@ -347,9 +355,12 @@ impl Finder {
     /// An orbit with the impulse response of its chain and frequency, which this finder keeps.
     ///
     /// # Errors
-    /// As [`Finder::admissibility`].
+    /// [`BreatherError::Dashpots`]; as [`Finder::admissibility`].
     pub fn prepared<'a>(&'a mut self, orbit: &'a Orbit) -> Result<Prepared<'a>, BreatherError> {
         let orbit = orbit.lattice()?;
+        if orbit.model().is_damped() {
+            return Err(BreatherError::Dashpots);
+        }
         self.prepare(orbit.model(), orbit.frequency())?;
         Ok(Prepared { orbit, response: &self.response })
     }

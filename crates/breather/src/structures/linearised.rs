@@ -5,6 +5,7 @@ use std::sync::Arc;
 use vibrochain_lattice::{BlochKernel, Complex, LinearMode};
 
 use super::errors::ImpactError;
+use super::masses::Masses;
 use super::orbit::{ContactOrbit, in_order};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::impact::Impact;
@@ -35,7 +36,13 @@ impl Linearised {
 impl ContactOrbit {
     /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.
     pub fn bloch_equations(&self) -> (BlochEquations, Vec<[Complex<f64>; 2]>) {
-        (self.linearised(self.impacts()).equations(), self.response().kernel.felt.spared.clone())
+        let mut spared = self.response().kernel.felt.spared.clone();
+        // Without dashpots those of a lattice that its structure leaves out are on the circle.
+        if let Some(Masses { lattice, shapes, .. }) = self.model().masses().filter(|masses| masses.lattice.is_damped())
+        {
+            spared.extend(shapes.unfelt_poles(lattice.springs(), lattice.dashpots()));
+        }
+        (self.linearised(self.impacts()).equations(), spared)
     }
 
     /// J(z) alone, of an orbit that nobody else holds: all else that it knows of its modes is given back before.

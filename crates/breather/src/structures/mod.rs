@@ -47,7 +47,7 @@ pub(crate) mod of_orbit;
 mod open_mode;
 mod open_modes;
 pub(crate) mod orbit;
-mod periodic_kernel;
+pub(crate) mod periodic_kernel;
 mod point;
 mod resonant_doubts;
 pub(crate) mod response;

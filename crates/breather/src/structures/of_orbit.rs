@@ -47,8 +47,7 @@ impl LoadedStructure {
         (lattice, sites): (&Model, &[usize]),
         stop: &Stop,
     ) -> Result<Self, BreatherError> {
-        let chain = lattice.chain();
-        let unit = Arc::new(shapes.structure([chain.gamma1(), chain.gamma2(), chain.gamma3()])?);
+        let unit = Arc::new(shapes.structure(lattice.springs(), lattice.dashpots())?);
         let model = Self::new(unit.clone(), lattice.omega())?.until(stop);
         let masses = Masses { lattice: *lattice, sites: sites.to_vec(), shapes: shapes.clone(), unit };
         Ok(model.loaded_as(&masses, lattice)?.among(masses))
@@ -76,7 +75,7 @@ impl LoadedStructure {
         remembering(lattice, sites.clone(), self.stop())
     }
 
-    /// The structure of one lattice as that of another one of which only ω differs, or springs besides, or loads and stops besides; `None` of others.
+    /// The structure of one lattice as that of another one of which only ω differs, or loads and stops besides, or springs and dashpots besides; `None` of others.
     fn moved_to(&self, at: &Model) -> Option<Result<Self, BreatherError>> {
         let masses = self.masses()?;
         let base = masses.lattice;
@@ -101,6 +100,7 @@ impl LoadedStructure {
             return Some(structure.map(|structure| structure.among(masses.of(*at))));
         }
         others.extend([Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3]);
+        others.extend([Parameter::Damping, Parameter::CouplingDamping]);
         moved(&others).then(|| Self::of_shapes(&masses.shapes, (at, &masses.sites), self.stop()))
     }
 }

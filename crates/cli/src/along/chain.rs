@@ -6,7 +6,7 @@ use vibrochain_floquet::{
     BranchRequest, Course, Diagram, Event, EventCurve, Located, Rectangle, Search, Tolerance, Walk, Window,
     curve_along, diagram_until, locate_until,
 };
-use vibrochain_lattice::{Model, Parameter, Stop};
+use vibrochain_lattice::{Model, Parameter, Part, Stop};
 use vibrochain_maps::caption::{describe_without, in_common, in_words};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
@@ -46,6 +46,7 @@ fn fixed(model: &Model, free: Parameter) -> String {
             Some(format!("force = {}", model.force()))
         }
         parameter if parameter == free => None,
+        parameter if parameter.row().part == Part::Dashpots && model.get(parameter) == 0.0 => None,
         parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
     };
     let said: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();

@@ -12,7 +12,7 @@ use super::quantity::{Meanings, by_name};
 /// Headings of help, which each flag names ([`PICTURES`](crate::common::pictures::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
-const DAMPED: &str = "Dashpots, loads and stops";
+const DAMPED: &str = "Loads and stops of a structure";
 
 /// Families, and what each is.
 const FAMILIES: Meanings<Family> = &[
@@ -28,7 +28,7 @@ const ENDS: Meanings<RowEnds> = &[
     (RowEnds::Alike(Ends::Fixed), "Walls, to which springs go as between neighbours"),
     (
         RowEnds::FixedFree,
-        "A wall before the first mass, nothing behind the last one: a chain that is asked as one with dashpots is",
+        "A wall before the first mass, nothing behind the last one: a chain that is asked as a structure",
     ),
 ];
 const LAYER_ENDS: Meanings<Ends> = &[(Ends::Closed, "Each other"), (Ends::Free, "Nothing")];
@@ -74,14 +74,17 @@ impl ModelArgs {
         }
     }
 
-    /// The first of the flags that makes a chain a structure.
+    /// The first of the flags that makes a chain a structure: of dashpots those without a force, with which it may have a period of its own.
     #[must_use]
     pub fn of_structures(&self) -> Option<String> {
-        let damped = DampedParameter::ALL.into_iter().find(|one| self.values.own(*one).is_some());
+        let own = DampedParameter::ALL.into_iter().find(|one| self.values.own(*one).is_some());
+        let is_forced = self.values.get(Parameter::Amplitude).is_some() || self.force.is_some() || self.scene.is_some();
+        let dashpots = [Parameter::Damping, Parameter::CouplingDamping].into_iter().filter(|_| !is_forced);
+        let dashpot = dashpots.into_iter().find(|one| self.values.get(*one).is_some());
         let others =
             [("stops", !self.structure.stops.is_empty()), ("ends fixed-free", self.ends == Some(RowEnds::FixedFree))];
         let other = others.into_iter().find(|(_, given)| *given).map(|(name, _)| name.to_owned());
-        damped.map(DampedParameter::flag).or(other)
+        own.map(DampedParameter::flag).or(dashpot.map(Parameter::flag)).or(other)
     }
 }
 
@@ -90,7 +93,7 @@ fn place(parameter: Parameter) -> usize {
     10 * (1 + parameter as usize)
 }
 
-/// The same of one that only damped chains have.
+/// The same of one that chains have beside those of a model.
 fn own_place(parameter: DampedParameter) -> usize {
     10 * (1 + parameter as usize)
 }
@@ -110,7 +113,7 @@ impl ParameterArgs {
         self.plain[parameter as usize]
     }
 
-    /// The value that a flag of damped chains gives.
+    /// The value that a flag of chains as structures gives.
     pub fn own(&self, parameter: DampedParameter) -> Option<f64> {
         self.own[parameter as usize]
     }

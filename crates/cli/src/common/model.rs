@@ -171,6 +171,7 @@ fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Resu
     }
     match (parameter.row().default, parameter.row().part) {
         (None, _) => request(format!("{name} is missing: give --{flag}")),
+        (Some(default), Part::Dashpots) => Ok(default),
         (Some(_), Part::Layers) => request(format!("{name} is missing: layers need --{flag}")),
         (Some(_), Part::Driving) if forced && parameter != Parameter::Amplitude => {
             request(format!("{name} is missing: a force needs --{flag}"))

@@ -94,7 +94,8 @@ pub fn read(path: &Path, run: &str, psi: Option<f64>) -> Result<Start, CliError>
 pub fn leading_mode_at(orbit: &Orbit, start: f64, stop: &Stop) -> Result<ModeShape, FloquetError> {
     let failed = FloquetError::NotConverged { dimension: 0 };
     let mode = leading_modes_until(orbit, 1, stop)?.into_iter().next().ok_or(failed)?;
-    let flow = Propagator::new(&Spectrum::new(*orbit.lattice()?.model().chain()), start);
+    let model = orbit.lattice()?.model();
+    let flow = Propagator::with_dashpots(&Spectrum::new(*model.chain()), model.dashpots(), start);
     let carry = |part: fn(&Complex<f64>) -> f64| {
         let u: Vec<f64> = mode.displacement.iter().map(part).collect();
         let v: Vec<f64> = mode.velocity.iter().map(part).collect();

@@ -1,4 +1,4 @@
-//! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with dashpots.
+//! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with stops of its own.
 
 pub(crate) mod answer;
 pub(crate) mod orbit;
@@ -72,7 +72,7 @@ pub(crate) fn read(scene: &Path) -> Result<Option<StructureScene>, CliError> {
     Ok(scene.map(|scene| scene.until(&stop)))
 }
 
-/// Refuses what only chains without dashpots can be asked.
+/// Refuses what only lattices can be asked.
 ///
 /// # Errors
 /// [`CliError::Request`] with the commands that answer.
@@ -95,22 +95,22 @@ pub(crate) fn refuse_scene(scene: &Path) -> Result<(), CliError> {
 }
 
 fn refusal() -> CliError {
-    let message = "structures, and chains with dashpots, a static force, stops of their own or ends fixed-free, are asked by orbit, branch, \
+    let message = "structures, and chains with a static force, stops of their own, ends fixed-free or dashpots without a force, are asked by orbit, branch, \
                    locate, curve, simulate, fate, sweep and explore: this command takes chains without any of these";
     CliError::Request(message.to_owned())
 }
 
-/// A chain with dashpots, a static force, or stops of its own.
+/// A chain with a static force, or stops of its own, or dashpots and no force.
 fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     if let Some(path) = &args.scene {
         // A file that is missing or broken says so itself.
         Given::read(path)?;
         refuse!(
-            "a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags"
+            "a scene's chain takes no static force and no stops of its own: write it as [structure] with chain = {{ … }}, or give all by flags"
         );
     }
     if args.layers.is_some_and(|layers| layers != 1) || args.force.is_some() {
-        let message = "dashpots, static forces and stops of their own are of one row under a plain force: leave --layers and --force away";
+        let message = "static forces, stops of their own and dashpots without a force are of one row under a plain force: leave --layers and --force away";
         return Err(CliError::Request(message.to_owned()));
     }
     let sites = args.sites.ok_or_else(|| CliError::Request("sites is missing: give --sites".to_owned()))?;

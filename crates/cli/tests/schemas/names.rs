@@ -73,6 +73,11 @@ const OTHER: &str = "[model]\nsites = 3\nlayers = 2\nomega = 1.5\ngamma2 = 0.1\n
     axes = [{ parameter = \"gamma1\", values = [0.2] }, { parameter = \"gamma3\", values = [0.05] }, { parameter = \"asymmetry\", values = [0.4] }]\n\
     [compute]\nfamilies = [\"0:0+0:1+,0:0-0:1-\"]\n";
 
+/// Dashpots, too.
+const DAMPED: &str = "[model]\nsites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nomega = 1.5\nasymmetry = 0.4\namplitude = 0.1\nrestitution = 0.9\n[sweep]\n\
+    axes = [{ parameter = \"damping\", values = [0.01] }, { parameter = \"coupling_damping\", values = [0.005] }]\n\
+    [compute]\nfamilies = [\"double-sided\"]\n";
+
 /// The columns of all tables that the program writes. Those of displacements and velocities are numbered by the mass.
 fn columns() -> Names {
     const ORBIT: &str = "--family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
@@ -80,9 +85,11 @@ fn columns() -> Names {
     let layered = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     let dir = TestDir::with_scene(SCENE);
     fs::write(dir.path("other.toml"), OTHER).unwrap();
+    fs::write(dir.path("damped.toml"), DAMPED).unwrap();
     fs::write(dir.path("refined.toml"), SCENE.replace("[compute]", "refine = { depth = 1 }\n[compute]")).unwrap();
     let mut commands = vec![
         "sweep other.toml --out table".to_owned(),
+        "sweep damped.toml --out table".to_owned(),
         "sweep scene.toml --out table".to_owned(),
         "sweep refined.toml --out table".to_owned(),
         "curves scene.toml --csv table --points more".to_owned(),

@@ -208,7 +208,7 @@ fn fates_of_structures_are_counted_and_drawn() {
 
 #[test]
 fn an_axis_keeps_the_name_that_the_scene_gives_it() {
-    let scene = "[model]\nsites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nomega = 1.5\nasymmetry = 0.4\nrestitution = 0.9\ndamping = 0.01\n\
+    let scene = "[model]\nsites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nomega = 1.5\nasymmetry = 0.4\nrestitution = 0.9\ndamping = 0.01\nstatic_force = 0\n\
         [sweep]\nx = { parameter = \"amplitude\", from = 0.1, to = 0.2, points = 3 }\n[compute]\nfamilies = [\"double-sided\"]\n";
     let dir = TestDir::with_scene(scene);
     dir.run("sweep scene.toml --out map.csv --plot map.svg").with(0, &["3 cells"]);
@@ -216,10 +216,10 @@ fn an_axis_keeps_the_name_that_the_scene_gives_it() {
     has(&words(&dir, "map.svg"), &["3 masses (N = 2)", "c = 0.01", "A"]);
 }
 
-/// Values one by one, equal ratios and a third axis, as a chain without dashpots has them: each row is the point that it names.
+/// Values one by one, equal ratios and a third axis, as a lattice has them: each row is the point that it names.
 #[test]
 fn axes_are_those_of_chains() {
-    let model = "sites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\nrestitution = 0.9\namplitude = 0.1\n";
+    let model = "sites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\nrestitution = 0.9\namplitude = 0.1\nstatic_force = 0\n";
     let sweep = |axes: &str| {
         format!("[model]\n{model}[sweep]\n{axes}[compute]\nfamilies = [\"double-sided\", \"single-sided\"]\n")
     };

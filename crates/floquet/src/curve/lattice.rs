@@ -7,7 +7,7 @@ use super::answer::{CurveError, EventCurve, Walk, Window};
 use super::tracer::CurveRequest;
 use super::way::followed;
 use crate::events::Watcher;
-use crate::locate::{Event, Evidence};
+use crate::locate::{Event, Evidence, needs_force};
 
 /// Follows the event at `orbit` both ways through a window of two parameters. `evidence` is what shows it
 /// ([`Located`](crate::Located)); `tolerance` is how far a straight line between neighbouring points may be from the curve, as a part
@@ -75,7 +75,7 @@ fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveErro
         if !(from <= value && value <= to && from < to) {
             return Err(CurveError::Outside { parameter, value, from, to });
         }
-        if conservative && matches!(parameter, Parameter::Amplitude | Parameter::Restitution) {
+        if conservative && needs_force(parameter) {
             return Err(CurveError::NoForce(parameter));
         }
     }

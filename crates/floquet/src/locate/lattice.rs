@@ -1,7 +1,7 @@
 //! Branches of a lattice's orbits as one of its parameters varies: those of the lattice as a structure with contacts at the masses that hit.
 
 use vibrochain_breather::{BreatherError, Orbit};
-use vibrochain_lattice::{Model, Parameter, Stop};
+use vibrochain_lattice::{Model, Parameter, Part, Stop};
 
 use super::answer::{Answer, Event, LocateError, Search};
 use super::course::{Course, Diagram};
@@ -86,6 +86,11 @@ pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diag
     branches(orbit, &lattice.models(&[free], stop), lattice.model().get(free), &request, stop)
 }
 
+/// Whether a parameter other than that of the model leaves no orbit without a force.
+pub(crate) fn needs_force(free: Parameter) -> bool {
+    matches!(free.row().part, Part::Driving | Part::Dashpots)
+}
+
 /// Whether the branch of `orbit` can be followed over a range.
 fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> Result<(), LocateError> {
     let model = orbit.lattice()?.model();
@@ -99,7 +104,7 @@ fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> Result<(), L
     for end in [from, to] {
         model.with(free, end).map_err(BreatherError::from)?;
     }
-    if model.is_conservative() && matches!(free, Parameter::Amplitude | Parameter::Restitution) {
+    if model.is_conservative() && needs_force(free) {
         return Err(LocateError::NoForce { free });
     }
     Ok(())

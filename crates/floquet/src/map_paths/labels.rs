@@ -38,7 +38,7 @@ impl ModeLabels {
     pub fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         let orbit = orbit.lattice()?;
         let conservative = orbit.is_conservative();
-        let Some(site) = orbit.impact_site() else {
+        let Some(site) = orbit.impact_site().filter(|_| !orbit.model().is_damped()) else {
             return Ok(Self { conservative, spared: Spared::default(), angles: Vec::new(), last: [0; 2] });
         };
         let response = finder.prepared(orbit.orbit())?.response();
@@ -51,7 +51,7 @@ impl ModeLabels {
     }
 
     /// For a multiplier as [`crate::Analyser::stability`] returns it, the mode k whose e^{±iΩ_kT} is next by angle; `None` for the trivial
-    /// pair of a conservative orbit and for impacts at several sites.
+    /// pair of a conservative orbit, for impacts at several sites and with dashpots, where multipliers leave the circle.
     pub fn mode(&mut self, z: Complex<f64>) -> Option<usize> {
         let Self { conservative, spared, angles, last: [of_spared, of_felt] } = self;
         if *conservative && z == Complex::new(1.0, 0.0) {

@@ -7,11 +7,11 @@
 //! with free flights L and saltations S. Two forms:
 //! - [`full_monodromy`]: all displacements and velocities, for impacts at any sites;
 //! - [`even_monodromy`]: the modes even about the one site that is hit, 2(⌊M/2⌋+1) of 2M dimensions. The odd modes
-//!   have a node there and never feel an impact: their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
+//!   have a node there and never feel an impact: without dashpots their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
 
 use nalgebra::DMatrix;
 use vibrochain_breather::{BreatherError, Finder, Orbit};
-use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
+use vibrochain_lattice::{Propagator, Spectrum, Stop, oscillator_flight};
 
 use crate::error::FloquetError;
 use crate::saltation::saltations;
@@ -29,12 +29,15 @@ pub(crate) struct EvenCoordinates {
     pub(crate) amplitudes: Vec<f64>,
     /// Ω̃_k
     pub(crate) scales: Vec<f64>,
+    /// δ_k; of none they are 0.
+    pub(crate) decays: Vec<f64>,
 }
 
 impl EvenCoordinates {
     /// Takes over modes, their frequencies and weights.
     pub(crate) fn set(&mut self, modes: impl Iterator<Item = (f64, f64)> + Clone, omega: f64) {
         self.frequencies.clear();
+        self.decays.clear();
         self.frequencies.extend(modes.clone().map(|(f, _)| f));
         self.amplitudes.clear();
         self.amplitudes.extend(modes.clone().map(|(_, weight)| weight.sqrt()));
@@ -48,15 +51,16 @@ impl EvenCoordinates {
 
     /// Multiplies from the left by the flight over `time`.
     fn fly(&self, matrix: &mut DMatrix<f64>, time: f64) {
-        let turn = |(&f, &scale): (&f64, &f64)| {
-            let sin_over = sine_over(f, time);
-            [(f * time).cos(), scale * sin_over, -f * f * sin_over / scale]
+        let decay = |k: usize| self.decays.get(k).copied().unwrap_or(0.0);
+        let turn = |(k, (&f, &scale)): (usize, (&f64, &f64))| {
+            let [[a, b], [c, d]] = oscillator_flight(f, decay(k), time);
+            [a, scale * b, c / scale, d]
         };
-        let turns: Vec<[f64; 3]> = self.frequencies.iter().zip(&self.scales).map(turn).collect();
+        let turns: Vec<[f64; 4]> = self.frequencies.iter().zip(&self.scales).enumerate().map(turn).collect();
         for mut column in matrix.column_iter_mut() {
             let (x, y) = column.as_mut_slice().split_at_mut(turns.len());
-            for ((x, y), [cos, up, down]) in x.iter_mut().zip(y).zip(&turns) {
-                (*x, *y) = (cos * *x + up * *y, down * *x + cos * *y);
+            for ((x, y), [a, b, c, d]) in x.iter_mut().zip(y).zip(&turns) {
+                (*x, *y) = (a * *x + b * *y, c * *x + d * *y);
             }
         }
     }
@@ -116,12 +120,13 @@ pub fn even_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
         let what = "the even subspace needs all impacts at one site";
         return Err(BreatherError::Impact { index: 1, what }.into());
     }
-    let chain = orbit.lattice()?.model().chain();
+    let (chain, dashpots) = (lattice.model().chain(), lattice.model().dashpots());
     check_dimension(2 * chain.even_modes())?;
     let spectrum = Spectrum::new(*chain);
     let mut coordinates = EvenCoordinates::default();
     let modes = spectrum.frequencies().iter().copied().zip(spectrum.weights().iter().copied());
     coordinates.set(modes, orbit.frequency());
+    coordinates.decays.extend(spectrum.decays(dashpots));
     coordinates.monodromy(orbit)
 }
 
@@ -136,7 +141,8 @@ pub fn full_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
 
 /// The same, until `stop` is raised.
 pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<DMatrix<f64>, FloquetError> {
-    let chain = orbit.lattice()?.model().chain();
+    let model = orbit.lattice()?.model();
+    let (chain, dashpots) = (model.chain(), model.dashpots());
     let sites = chain.sites();
     check_dimension(2 * sites)?;
     let spectrum = Spectrum::new(*chain);
@@ -153,7 +159,7 @@ pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<DMatrix
         if until == hit.time {
             continue;
         }
-        let flow = Propagator::new(&spectrum, until - hit.time);
+        let flow = Propagator::with_dashpots(&spectrum, dashpots, until - hit.time);
         let mut next = DMatrix::zeros(2 * sites, 2 * sites);
         for n in 0..sites {
             stop.heard().map_err(BreatherError::from)?;

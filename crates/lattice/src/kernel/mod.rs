@@ -19,6 +19,7 @@
 pub(crate) mod bloch;
 pub(crate) mod clusters;
 pub(crate) mod coordinates;
+pub(crate) mod damped_steady;
 pub(crate) mod decay;
 pub(crate) mod impulse;
 pub(crate) mod steady;
@@ -27,7 +28,7 @@ pub(crate) mod turn;
 pub use bloch::{BlochJet, BlochKernel, BlochMode};
 pub use clusters::ModeCluster;
 pub use coordinates::Coordinates;
-pub use turn::{ModeFlow, Turn, Turned};
+pub use turn::{ModeFlow, Turn, Turned, oscillator_flight};
 
 #[cfg(test)]
 mod tests;

@@ -11,6 +11,7 @@
 //! the modes that are even about the middle, every other one.
 
 use crate::error::{RESONANCE_TOLERANCE, Resonance};
+use crate::kernel::damped_steady;
 use crate::kernel::decay::{Decay, decay, power};
 use crate::model::chain::Chain;
 use crate::model::force::{Wave, WaveTerm};
@@ -37,6 +38,7 @@ pub struct Steady {
     /// The uniform motion; between walls the force.
     wave: Wave,
     walls: Option<Chain>,
+    dashpots: [f64; 2],
 }
 
 impl Model {
@@ -45,12 +47,12 @@ impl Model {
     /// # Errors
     /// [`Resonance`] when a harmonic meets a mode that the force reaches.
     pub fn steady(&self) -> Result<Steady, Resonance> {
-        let chain = *self.chain();
+        let (chain, dashpots) = (*self.chain(), self.dashpots());
         if chain.ends() != Ends::Fixed {
-            return Ok(Steady { wave: self.steady_response()?, walls: None });
+            return Ok(Steady { wave: self.steady_response()?, walls: None, dashpots });
         }
         let wave = self.force_wave();
-        if wave.terms().iter().any(|term| term.amplitude != 0.0) {
+        if !self.is_damped() && wave.terms().iter().any(|term| term.amplitude != 0.0) {
             // The force is even about the middle, and alike in all layers.
             let row = Chain::alone_with(&chain);
             let spectrum = Spectrum::new(row);
@@ -64,15 +66,22 @@ impl Model {
                 }
             }
         }
-        Ok(Steady { wave, walls: Some(chain) })
+        Ok(Steady { wave, walls: Some(chain), dashpots })
     }
 }
 
 impl Steady {
+    fn is_damped(&self) -> bool {
+        self.dashpots != [0.0; 2]
+    }
+
     /// The motion of one mass.
     pub fn at(&self, site: usize) -> Wave {
         match &self.walls {
             None => self.wave,
+            Some(chain) if self.is_damped() => {
+                self.wave.turned(|term| damped_steady::held(chain, self.dashpots, term.rate, site % chain.length()))
+            }
             Some(chain) => self.wave.scaled(|term| held(chain, term.rate, site % chain.length())),
         }
     }
@@ -81,7 +90,11 @@ impl Steady {
     #[inline]
     pub fn bound(&self, order: i32) -> f64 {
         let Some(chain) = &self.walls else { return self.wave.bound(order) };
-        let most = |term: &WaveTerm| term.amplitude.abs() * held_at_most(chain, term.rate) * term.rate.powi(order);
+        let held = |rate: f64| match self.is_damped() {
+            true => damped_steady::held_at_most(chain, self.dashpots, rate),
+            false => held_at_most(chain, rate),
+        };
+        let most = |term: &WaveTerm| term.amplitude.abs() * held(term.rate) * term.rate.powi(order);
         self.wave.terms().iter().map(most).sum()
     }
 
@@ -175,6 +188,46 @@ mod tests {
             }
         }
         assert_eq!(checked, 7 * (1 + 2 + 10 + 12));
+    }
+
+    #[test]
+    fn it_solves_the_equation_of_motion_with_dashpots() {
+        let (mut checked, mut resonant) = (0, 0);
+        for (m, gamma1, gamma2, layers) in [(1, 0.2, 0.1, 1), (2, 0.0, 0.3, 1), (5, 0.2, 0.05, 2), (12, 0.25, 0.1, 1)] {
+            let layer = if layers > 1 { 0.07 } else { 0.0 };
+            for (ends, dashpots) in [Ends::Closed, Ends::Fixed, Ends::Free]
+                .into_iter()
+                .flat_map(|ends| [[0.03, 0.0], [0.0, 0.07], [-1e-3, 0.02], [2.0, 5.0]].map(|dashpots| (ends, dashpots)))
+            {
+                let chain = Chain::new(m, gamma1, gamma2).unwrap().with_ends(ends);
+                let chain = chain.with_layers(layers, layer, Ends::Free).unwrap();
+                for omega in [0.1, 0.5, 0.55, 0.7, 0.83, 1.5, 4.0] {
+                    let point = chain.point().damping(dashpots[0]).coupling_damping(dashpots[1]);
+                    let model = point.omega(omega).amplitude(0.3).restitution(0.9).model().unwrap();
+                    let Ok(steady) = model.steady() else {
+                        // Where no dashpot acts on masses that move alike.
+                        assert!(dashpots[0] == 0.0 && ends != Ends::Fixed && gamma1 == 0.25 && omega == 0.5);
+                        resonant += 1;
+                        continue;
+                    };
+                    let size = steady.bound(0);
+                    for n in 0..chain.sites() {
+                        let [value, velocity, acceleration, _] = steady.at(n).jet(0.4);
+                        let of = |neighbour: usize, order: usize| steady.at(neighbour).jet(0.4)[order];
+                        let [sides, speeds] =
+                            [0, 1].map(|order| chain.neighbours(n).map(|n| n.map_or(0.0, |n| of(n, order))));
+                        let stretch = 2.0 * velocity - speeds[0] - speeds[1];
+                        let lost = dashpots[0] * velocity + dashpots[1] * stretch;
+                        let pushed = chain.spring_force(value, sides) + model.force_wave().value(0.4);
+                        let left = pushed - lost - acceleration;
+                        assert!(left.abs() < 1e-13 * (1.0 + 20.0 * size), "{chain} {dashpots:?} {omega} {n}: {left:e}");
+                        assert!(value.abs() <= size * (1.0 + 1e-13), "{chain} {omega} {n}: {value} {size}");
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert!(checked > 2000 && resonant == 2, "{checked} {resonant}");
     }
 
     #[test]

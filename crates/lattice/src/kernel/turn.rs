@@ -11,6 +11,7 @@ use std::ops::{Add, Mul};
 use wide::f64x4;
 
 use crate::simd::sines::{MOST, sin_cos as sines};
+use crate::simd::small::sine_over;
 
 type C = Complex<f64>;
 
@@ -25,6 +26,19 @@ pub enum Turn {
     Parabolic,
 }
 
+/// What displacement and velocity of q″ + 2δq′ + Ω²q = 0 are after a time, of those before it: `[[q←q, q←q′], [q′←q, q′←q′]]`.
+pub fn oscillator_flight(frequency: f64, decay: f64, t: f64) -> [[f64; 2]; 2] {
+    if decay == 0.0 {
+        let phase = frequency * t;
+        return [[phase.cos(), sine_over(frequency, t)], [-frequency * phase.sin(), phase.cos()]];
+    }
+    let flow = ModeFlow::oscillator(frequency, decay);
+    let Turned { even, odd } = flow.turn.flight(decay, flow.rate, t);
+    // x′ = −δx + κy
+    let over = odd / flow.rate;
+    [[even + decay * over, over], [-frequency * frequency * over, even - decay * over]]
+}
+
 /// How the coordinates of a mode move, e^{(−δ + κJ)t}.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeFlow {
@@ -34,6 +48,20 @@ pub struct ModeFlow {
     pub decay: f64,
     /// κ
     pub rate: f64,
+}
+
+impl ModeFlow {
+    /// That of q″ + 2δq′ + Ω²q, the first coordinate being q.
+    pub fn oscillator(frequency: f64, decay: f64) -> Self {
+        // By both factors, so that a mode next to critical keeps its digits.
+        let square = (frequency - decay.abs()) * (frequency + decay.abs());
+        let (turn, rate) = match square {
+            0.0 => (Turn::Parabolic, if decay == 0.0 { 1.0 } else { decay.abs() }),
+            above if above > 0.0 => (Turn::Circular, above.sqrt()),
+            below => (Turn::Hyperbolic, (-below).sqrt()),
+        };
+        Self { turn, decay, rate }
+    }
 }
 
 impl Turn {

@@ -9,6 +9,8 @@
 
 use std::fmt;
 
+use rustfft::num_complex::Complex;
+
 use crate::error::{MAX_MAGNITUDE, ParameterError, check};
 use crate::model::parameter::Parameter;
 
@@ -195,6 +197,15 @@ impl Wave {
     /// Each term's amplitude times `factor`.
     pub(crate) fn scaled(mut self, factor: impl Fn(&WaveTerm) -> f64) -> Self {
         self.terms.iter_mut().take(self.count).for_each(|term| term.amplitude *= factor(term));
+        self
+    }
+
+    /// Each term turned by the angle of a complex number and times its size.
+    pub(crate) fn turned(mut self, by: impl Fn(&WaveTerm) -> Complex<f64>) -> Self {
+        for term in self.terms.iter_mut().take(self.count) {
+            let (size, angle) = by(term).to_polar();
+            (term.amplitude, term.phase) = (term.amplitude * size, term.phase + angle);
+        }
         self
     }
 

@@ -1,6 +1,6 @@
 //! The table of the model's real parameters. Whatever reads, writes, shows or varies one takes it from here: flags, scenes, JSON, columns,
 //! Python, schemas and the explorer's controls. A new parameter is a row of it, and what it does in [`Model`](crate::Model), or, of one that
-//! only damped chains have, in the structure that the chain is then.
+//! models do not have, in the structure that the chain is then.
 
 use std::sync::LazyLock;
 
@@ -47,8 +47,10 @@ pub enum Part {
     Layers,
     /// The period and the barriers.
     Motion,
-    /// The force and the losses: a conservative model has none.
+    /// The force and what impacts lose: a conservative model has none.
     Driving,
+    /// Dashpots: most models have none.
+    Dashpots,
 }
 
 /// A row of the table.
@@ -120,6 +122,17 @@ macro_rules! parameters {
                 symbol: "γ₃", meaning: "coupling of layers", word: "coupling", help: "Coupling stiffness γ₃ between layers",
                 range: Range::STIFFNESS, part: Part::Layers, default: Some(0.0), slider: [0.0, 1.0, 0.005],
             }
+            /// Dashpot c between each mass and the ground.
+            Damping damping {
+                symbol: "c", meaning: "damping", word: "damping",
+                help: "Dashpot c between each mass and the ground: ü + c u̇ + … (below 0: self-excited)",
+                range: Range::REAL, part: Part::Dashpots, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+            }
+            /// Dashpot c₂ between neighbours along the rows.
+            CouplingDamping coupling_damping {
+                symbol: "c₂", meaning: "damping between neighbours", word: "damping", help: "Dashpot c₂ in each spring between neighbours",
+                range: Range::REAL, part: Part::Dashpots, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+            }
         }
     };
 }
@@ -182,19 +195,8 @@ macro_rules! table {
 parameters!(table);
 
 enumerated! {
-    /// A real parameter that only damped chains have; with one, a chain is asked as a structure.
+    /// A real parameter that chains have beside those of a model; with one, a chain is asked as a structure.
     DampedParameter {
-        /// Dashpot c between each mass and the ground.
-        Damping damping {
-            symbol: "c", meaning: "damping", word: "damping",
-            help: "Dashpot c between each mass and the ground: ü + c u̇ + … (below 0: self-excited)",
-            range: Range::REAL, part: Part::Driving, default: Some(0.0), slider: [0.0, 1.0, 0.005],
-        }
-        /// Dashpot c₂ between neighbours.
-        CouplingDamping coupling_damping {
-            symbol: "c₂", meaning: "damping between neighbours", word: "damping", help: "Dashpot c₂ in each spring between neighbours",
-            range: Range::REAL, part: Part::Driving, default: Some(0.0), slider: [0.0, 1.0, 0.005],
-        }
         /// Force s on every mass that does not change.
         StaticForce static_force {
             symbol: "s", meaning: "static force", word: "force", help: "A force on every mass that does not change",
@@ -251,7 +253,7 @@ impl Parameter {
         match self.row().part {
             Part::Layers => layers > 1,
             Part::Driving => true,
-            Part::Lattice | Part::Motion => self.row().default != Some(value),
+            Part::Lattice | Part::Motion | Part::Dashpots => self.row().default != Some(value),
         }
     }
 }

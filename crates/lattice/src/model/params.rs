@@ -1,6 +1,7 @@
 //! One point of the parameter space, validated: a value is always in range, nothing downstream checks again.
 
 use crate::error::{ParameterError, RESONANCE_TOLERANCE, Resonance};
+use crate::kernel::damped_steady::stiffness;
 use crate::model::chain::{Barrier, Chain};
 use crate::model::force::{Force, Wave};
 use crate::model::parameter::Parameter;
@@ -17,6 +18,8 @@ pub struct Model {
     pub(super) asymmetry: f64,
     pub(super) force: Force,
     pub(super) restitution: f64,
+    /// c and c₂.
+    pub(super) dashpots: [f64; 2],
 }
 
 impl Model {
@@ -84,10 +87,32 @@ impl Model {
         (1.0 - self.restitution) / (1.0 + self.restitution)
     }
 
-    /// No force and elastic impacts.
+    /// Springs γ₁, γ₂ and γ₃.
+    pub fn springs(&self) -> [f64; 3] {
+        [self.chain.gamma1(), self.chain.gamma2(), self.chain.gamma3()]
+    }
+
+    /// Dashpots c between each mass and the ground, and c₂ in each spring along the rows.
+    pub fn dashpots(&self) -> [f64; 2] {
+        self.dashpots
+    }
+
+    /// Whether it has dashpots.
+    #[inline]
+    pub fn is_damped(&self) -> bool {
+        self.dashpots != [0.0; 2]
+    }
+
+    /// Neither its impacts nor dashpots lose or add anything.
+    #[inline]
+    pub fn is_lossless(&self) -> bool {
+        self.restitution == 1.0 && !self.is_damped()
+    }
+
+    /// No force, elastic impacts and no dashpots.
     #[inline]
     pub fn is_conservative(&self) -> bool {
-        self.amplitude() == 0.0 && self.restitution == 1.0
+        self.amplitude() == 0.0 && self.is_lossless()
     }
 
     /// Position of a barrier.
@@ -96,7 +121,7 @@ impl Model {
     }
 
     /// Σ A_j/(γ₁ − j²ω²) cos(jω(t+ψ) + θ_j): the uniform motion that the force drives without impacts and walls, as a function of the
-    /// time t + ψ (paper, sec. II B; of the plain cosine Ã cos ω(t+ψ)).
+    /// time t + ψ (paper, sec. II B; of the plain cosine Ã cos ω(t+ψ)). With dashpots γ₁ + ijωc stands for γ₁: it is smaller, and late.
     ///
     /// # Errors
     /// [`Resonance`] when a harmonic meets the uniform mode, Ω₀ = √γ₁.
@@ -104,6 +129,9 @@ impl Model {
         let (gamma1, omega) = (self.chain.gamma1(), self.omega);
         if self.amplitude() == 0.0 {
             return Ok(self.force_wave());
+        }
+        if self.dashpots[0] != 0.0 {
+            return Ok(self.force_wave().turned(|term| stiffness(gamma1, self.dashpots[0], term.rate).inv()));
         }
         Wave::new(&self.force, omega, |harmonic, rate| {
             // One rounding only: the difference is what resonance hangs on.

@@ -131,7 +131,8 @@ impl Point {
         let [omega, asymmetry, restitution] =
             [Parameter::Omega, Parameter::Asymmetry, Parameter::Restitution].map(|parameter| self.get(parameter));
         // A minus zero would survive the range check and change signs downstream.
-        Ok(Model { chain, omega, asymmetry: asymmetry + 0.0, force, restitution })
+        let dashpots = [Parameter::Damping, Parameter::CouplingDamping].map(|parameter| self.get(parameter) + 0.0);
+        Ok(Model { chain, omega, asymmetry: asymmetry + 0.0, force, restitution, dashpots })
     }
 }
 
@@ -145,9 +146,10 @@ impl Chain {
 impl Model {
     /// The point of the parameter space at which it stands.
     pub fn point(&self) -> Point {
+        let [damping, coupling_damping] = self.dashpots();
         let point =
             self.chain().point().omega(self.omega()).asymmetry(self.asymmetry()).restitution(self.restitution());
-        point.under(self.force())
+        point.damping(damping).coupling_damping(coupling_damping).under(self.force())
     }
 
     /// The value of one parameter.
@@ -160,6 +162,8 @@ impl Model {
             Parameter::Amplitude => self.amplitude(),
             Parameter::Restitution => self.restitution(),
             Parameter::Gamma3 => self.chain().gamma3(),
+            Parameter::Damping => self.dashpots()[0],
+            Parameter::CouplingDamping => self.dashpots()[1],
         }
     }
 
@@ -207,7 +211,7 @@ mod tests {
             }
             assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
             assert!(parameter.flag().chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'));
-            assert!(model.with(parameter, -1.0).is_err());
+            assert_eq!(model.with(parameter, -1.0).is_err(), !parameter.row().range.contains(-1.0));
             assert!(model.point().with(parameter, f64::NAN).model().is_err(), "{parameter}");
             let row = parameter.row();
             assert_eq!(row.range.contains(row.range.least), !row.range.open[0], "{parameter}");

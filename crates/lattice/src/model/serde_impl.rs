@@ -116,7 +116,7 @@ impl<'de> Deserialize<'de> for Chain {
 
 impl Serialize for Model {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let parts: [&[Part]; 2] = [&[Part::Lattice, Part::Motion], &[Part::Layers, Part::Driving]];
+        let parts: [&[Part]; 2] = [&[Part::Lattice, Part::Motion], &[Part::Layers, Part::Driving, Part::Dashpots]];
         PointPart::of(&self.point(), parts).serialize(serializer)
     }
 }

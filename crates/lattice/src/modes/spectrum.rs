@@ -72,6 +72,12 @@ impl Spectrum {
         &self.frequencies
     }
 
+    /// δ_k = (c + 4c₂ sin²(πk/M))/2 of these modes, the rate at which each dies of dashpots c and c₂.
+    pub fn decays(&self, [damping, coupling_damping]: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
+        let of = move |shape: &f64| 0.5 * coupling_damping.mul_add(*shape, damping);
+        self.shape_across.iter().flat_map(move |_| self.shape.iter().map(of))
+    }
+
     /// Which of these is nearest to a frequency.
     ///
     /// ```

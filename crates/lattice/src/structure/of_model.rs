@@ -92,6 +92,7 @@ impl Model {
     fn damped_chain(&self, contacts: Vec<(Vec<(usize, f64)>, Contact)>) -> DampedChain {
         let (chain, layout) = (self.chain(), self.chain().layout());
         let on_all = |amplitude: f64, phase: f64| vec![Complex::from_polar(amplitude, phase); chain.sites()];
+        let [damping, coupling_damping] = self.dashpots();
         let harmonics = self.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
         DampedChain {
             layers: layout.layers,
@@ -99,6 +100,8 @@ impl Model {
             gamma1: chain.gamma1(),
             gamma2: chain.gamma2(),
             gamma3: chain.gamma3(),
+            damping,
+            coupling_damping,
             contacts,
             loads: harmonics.map(|one| (one.number, on_all(one.amplitude, one.phase))).collect(),
             all_masses: false,

@@ -29,7 +29,7 @@ pub(super) struct File {
     pub(super) compute: Option<ComputeTable>,
 }
 
-/// `[model]` of a plain chain, or of a damped one, which takes other keys.
+/// `[model]` of a lattice, or of a chain as a structure, which takes other keys.
 pub(crate) struct ModelTable<const DAMPED: bool = false> {
     pub(crate) sites: Spanned<i64>,
     pub(crate) ends: Option<Spanned<String>>,
@@ -53,7 +53,7 @@ struct ModelKey<const DAMPED: bool>(#[serde(deserialize_with = "known::<DAMPED, 
 
 type Name = &'static str;
 
-/// Keys of `[model]`, and parameters of axes, that make a chain a damped one.
+/// Keys of `[model]`, and parameters of axes, that make a chain a structure.
 pub fn damped_keys() -> impl Iterator<Item = Name> {
     let of =
         |part: Part| DampedParameter::ALL.into_iter().map(DampedParameter::row).filter(move |row| row.part == part);

@@ -135,7 +135,7 @@ impl Scene {
         let default = |parameter: Parameter| {
             let Row { default, part, .. } = parameter.row();
             default.filter(|_| match part {
-                Part::Lattice | Part::Motion => true,
+                Part::Lattice | Part::Motion | Part::Dashpots => true,
                 Part::Layers => layout.layers == 1,
                 Part::Driving => conservative || elastic && parameter == Parameter::Amplitude,
             })
@@ -185,7 +185,8 @@ impl Scene {
         }
         // What two words have in common must hold in all cells.
         let general = [(Parameter::Asymmetry, 0.5), (Parameter::Amplitude, 1.0), (Parameter::Restitution, 0.5)];
-        let varied = general.into_iter().filter(|&(parameter, _)| is_swept(parameter));
+        let dashpots = [Parameter::Damping, Parameter::CouplingDamping].map(|parameter| (parameter, 0.5));
+        let varied = general.into_iter().chain(dashpots).filter(|&(parameter, _)| is_swept(parameter));
         let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
         let anywhere = anywhere.model().map_err(|error| source.error(file.model.span(), error))?;
         let task = source.task(compute, &anywhere)?;
@@ -296,10 +297,13 @@ impl Scene {
         self.axes.iter().any(|axis| axis.parameter == parameter)
     }
 
-    /// No force and elastic impacts in every cell.
+    /// No force, elastic impacts and no dashpots in every cell.
     pub fn is_conservative(&self) -> bool {
         let forced = self.sweeps(Parameter::Amplitude) || self.base.get(Parameter::Amplitude) > 0.0;
-        !forced && !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0
+        let is_fixed =
+            |(parameter, value): (Parameter, f64)| !self.sweeps(parameter) && self.base.get(parameter) == value;
+        let lossless = [(Parameter::Restitution, 1.0), (Parameter::Damping, 0.0), (Parameter::CouplingDamping, 0.0)];
+        !forced && lossless.into_iter().all(is_fixed)
     }
 
     /// The title of pictures: the scene's own, or what is swept.

@@ -1,11 +1,14 @@
-//! Scenes of chains with dashpots, a static force or stops of their own: `[model]` with keys that plain chains do not have.
+//! Scenes of chains with a static force or stops of their own, and of others that no model of a lattice has: self-excited, plastic, or with
+//! springs or barriers out of its range.
 
 use std::path::Path;
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use vibrochain_lattice::DampedParameter::{CouplingDamping, Damping, Lower, StaticForce, Upper};
-use vibrochain_lattice::Parameter::{Amplitude, Asymmetry, Gamma1, Gamma2, Omega, Restitution};
+use vibrochain_lattice::DampedParameter::{Lower, StaticForce, Upper};
+use vibrochain_lattice::Parameter::{
+    Amplitude, Asymmetry, CouplingDamping, Damping, Gamma1, Gamma2, Omega, Restitution,
+};
 use vibrochain_lattice::{Contact, DampedParameter, Parameter, Range, RowEnds};
 
 use super::scene::StructureScene;
@@ -39,8 +42,21 @@ fn check(model: &ModelTable<true>) -> Result<(), String> {
 pub(super) fn is_one(scene: &Value) -> bool {
     let (model, sweep) = (&scene["model"], &scene["sweep"]);
     let in_model = model["ends"] == RowEnds::FixedFree.name() || damped_keys().any(|key| model.get(key).is_some());
-    let swept = |axis: &&str| damped_keys().any(|key| sweep[axis]["parameter"] == key);
-    in_model || model.is_object() && ["x", "y"].iter().any(swept)
+    let swept = |key: &str| ["x", "y"].iter().any(|axis| sweep[axis]["parameter"] == key);
+    in_model || model.is_object() && (damped_keys().any(swept) || is_beyond(model, &swept))
+}
+
+/// Whether `[model]` names dashpots, and no lattice has the rest: without a force a period of its own, or values out of range.
+fn is_beyond(model: &Value, swept: &impl Fn(&str) -> bool) -> bool {
+    let value = |parameter: Parameter| {
+        [&model[parameter.name()], &model["forcing"][parameter.name()]].into_iter().find_map(Value::as_f64)
+    };
+    let is_there = |parameter: Parameter| value(parameter).is_some() || swept(parameter.name());
+    let is_forced = is_there(Amplitude) || swept("load") || model.get("force").is_some();
+    let is_out = |parameter: Parameter| value(parameter).is_some_and(|value| !parameter.row().range.contains(value));
+    [Damping, CouplingDamping].into_iter().any(is_there)
+        && (!is_forced || Parameter::ALL.into_iter().any(is_out))
+        && model.get("layers").is_none()
 }
 
 impl StructureScene {
@@ -95,8 +111,8 @@ pub(super) fn read((file, told): (File, Map<String, Value>)) -> Result<Structure
         gamma1: given(Gamma1)?,
         gamma2: given(Gamma2)?,
         ends: model.ends.as_ref().map_or("closed", |ends| ends.get_ref()).to_owned(),
-        damping: model.own(Damping).unwrap_or(0.0),
-        coupling_damping: model.own(CouplingDamping).unwrap_or(0.0),
+        damping: model.value(Damping).unwrap_or(0.0),
+        coupling_damping: model.value(CouplingDamping).unwrap_or(0.0),
     };
     let mut scene = StructureScene::of_chain(&chain, (0..sites).map(contact).collect(), 0.0, 0.0)?;
     scene.title = title;

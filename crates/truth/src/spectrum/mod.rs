@@ -12,7 +12,7 @@ use crate::complex::{Complex, shifted};
 use crate::error::TruthError;
 use crate::flight::Flight;
 use crate::kernel::Kernel;
-use crate::orbit::{TrueImpact, TrueOrbit};
+use crate::orbit::{TrueImpact, TrueOrbit, undamped};
 use crate::real::Real;
 use crate::root::difference;
 
@@ -108,7 +108,7 @@ impl TrueSpectrum {
     /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
     pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
         let site = orbit.impact_site().ok_or(TruthError::SeveralSites)?;
-        let model = orbit.model().ok_or(TruthError::NoLattice)?;
+        let model = undamped(orbit)?;
         let kernel = Kernel::new(model.chain(), model.omega(), orbit.force_periods(), 2 * bits + 64)?;
         let work = kernel.work_bits();
         let restitution = Real::new(model.restitution(), work);

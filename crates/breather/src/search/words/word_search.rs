@@ -10,7 +10,7 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
-use crate::search::at_point::Sought;
+use crate::search::at_point::{Sought, at_rest};
 use crate::search::completeness::{Completeness, Searched};
 use crate::search::families::overdetermined;
 use crate::search::families::positions::Positions;
@@ -83,7 +83,9 @@ impl Finder {
         }
         *found = OrbitList { orbits: std::mem::take(&mut found.orbits), ..OrbitList::default() };
         found.orbits.clear();
-        if !model.is_conservative() && model.amplitude() == 0.0 {
+        if let Some(reason) = at_rest(model).filter(|_| model.is_damped()) {
+            found.completeness = reason;
+        } else if !model.is_conservative() && model.amplitude() == 0.0 {
             found.completeness = Completeness::none(NoBreather::LossWithoutForce);
         } else if !model.is_conservative() {
             found.completeness = self.of_structure(model, (word, row, force_periods), wanted, found)?;
@@ -143,8 +145,10 @@ impl Finder {
     ) -> Result<Completeness, BreatherError> {
         // A point where no motion is defined has no answer, whatever leads there.
         let _ = model.steady()?;
-        self.prepare(model, model.omega() / f64::from(word.2))?;
-        let at_point = if model.chain().is_kept() {
+        if !model.is_damped() {
+            self.prepare(model, model.omega() / f64::from(word.2))?;
+        }
+        let at_point = if model.chain().is_kept() || model.is_damped() {
             at_contacts::find(self, model, word, wanted, found)?
         } else {
             Outcome::Started(0)
@@ -155,6 +159,8 @@ impl Finder {
             return Ok(Completeness::of(searched));
         }
         let followed = match model.is_conservative() {
+            // Coupling by springs alone is followed.
+            _ if model.is_damped() => Ok((0, 0)),
             true => phase_rule::find(self, model, word.1, found)?,
             false => uncoupled::find(self, model, (word.1, word.2), found)?,
         };

@@ -5,9 +5,10 @@
 //!
 //! ```text
 //! rigid:                k = t/2 − t²/2T
-//! with a dashpot c:     k = [ ½ − t/T − e^{−ct}/(1−e^{−cT}) ]/c
+//! with a dashpot c:     k = [ h(ct)/h(cT) − 1 ] t/cT,    h(x) = (1−e^{−x})/x
 //! ```
 
+mod rigid;
 mod sum;
 mod turning_modes;
 
@@ -15,6 +16,8 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 
+use rigid::rigid_by_period;
+pub(crate) use rigid::rigid_jet;
 pub(super) use sum::{Jet, Sum, UNIT, length, one_less};
 use turning_modes::TurningModes;
 
@@ -227,25 +230,7 @@ impl PeriodicKernel {
     }
 }
 
-/// k of a rigid mode and its first three derivatives at 0 ≤ t ≤ T. (Its rows are [φ, 0], its columns [0, φ/κ].)
-pub(super) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
-    let (part, dashpot) = (t / period, 2.0 * mode.decay);
-    if dashpot == 0.0 {
-        return [0.5 * t * (1.0 - part), 0.5 - part, -period.recip(), 0.0];
-    }
-    let dying = (-dashpot * t).exp() / -(-dashpot * period).exp_m1();
-    let speed = dying - (dashpot * period).recip();
-    [(0.5 - part - dying) / dashpot, speed, -dashpot * dying, dashpot * dashpot * dying]
-}
-
-/// Derivatives by T of a rigid mode's k and its first two derivatives, at −T < t < T: of those at t + T where t is not positive.
-fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3] {
-    let (part, dashpot) = (t / period, 2.0 * mode.decay);
-    if dashpot == 0.0 {
-        return [0.5 * part * part, part / period, (period * period).recip()];
-    }
-    let left = (-dashpot * period).exp_m1();
-    let dying = (-dashpot * (t + period)).exp() / (left * left);
-    let pull = (dashpot * period).recip();
-    [pull * part + dying, pull / period - dashpot * dying, dashpot * dashpot * dying]
+/// (1−R)⁻¹ of a mode; `None` of a rigid one.
+pub(crate) fn sum_over_periods(mode: &LinearMode, period: f64) -> Option<Turned> {
+    Sum::of(mode, period).map(|sum| sum.sum)
 }
