@@ -6,7 +6,7 @@
 // | `common` | what commands share: console, models and orbits asked for, pictures, tables in chunks, schemas |
 // | `args`, `program` | the command line; the whole program as a function |
 // | `orbit`, `sweep`, `branch`, `curve`, `fate`, `simulate`, `explore`, `setup` | a command and its parts; `sweep` has `merge` and `draw`, too |
-// | `structures` | what commands do for a structure of any kind, and for a chain with dashpots |
+// | `structures` | what commands do for a structure of any kind |
 // | `curves`, `locate`, `schema`, `words` | commands of one file |
 
 // Its `ensure!` and `refuse!`.

@@ -359,10 +359,7 @@ fn collect<E>(
 
 impl Ensembled for Scene {
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
-        ensure!(
-            from != From::Rest,
-            "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable"
-        );
+        ensure!(from != From::Rest, "--breathers rest is of structures: give class, every or unstable");
         ensure!(
             !ensemble.in_sequence,
             "--in-sequence is of structures: masses of a chain share no coordinate, and hit at one instant in any order"

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{FeltShapes, ModalStructure, Model, Parameter};
+use vibrochain_lattice::{FeltShapes, ModalStructure, Model};
 
 /// A lattice, and of each contact of a structure which of its masses it is. The structure holds what impacts of these feel; the lattice, what all
 /// others do between the same barriers.
@@ -23,6 +23,8 @@ impl Masses {
 
     /// The same at another frequency; `None` where there is no such lattice.
     pub(super) fn at(&self, omega: f64) -> Option<Self> {
-        self.lattice.with(Parameter::Omega, omega).ok().map(|lattice| self.of(lattice))
+        let mut lattice = self.lattice;
+        lattice.set_omega(omega).ok()?;
+        Some(self.of(lattice))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
 
 use super::branch::continuation::Branch;
@@ -82,16 +83,12 @@ impl LoadedStructure {
         if base == *at {
             return Some(Ok(self.clone()));
         }
-        let differs = |parameter: &Parameter| base.get(*parameter) != at.get(*parameter);
-        let moved = |parameters: &[Parameter]| {
-            let with = |model: Model, parameter: &Parameter| model.with(*parameter, at.get(*parameter)).ok();
-            let moved = parameters.iter().filter(|parameter| differs(parameter)).try_fold(base, with);
-            moved.is_some_and(|moved| moved == *at)
-        };
+        let differ: SmallVec<[Parameter; 2]> = base.differs_in(at)?.collect();
+        let moved = |parameters: &[Parameter]| differ.iter().all(|parameter| parameters.contains(parameter));
         if moved(&[Parameter::Omega]) {
             return Some(self.at(at.omega()));
         }
-        let mut others = vec![Parameter::Omega];
+        let mut others: SmallVec<[Parameter; 12]> = smallvec![Parameter::Omega];
         if (base.amplitude() == 0.0) == (at.amplitude() == 0.0) {
             others.extend([Parameter::Amplitude, Parameter::Asymmetry, Parameter::Restitution]);
         }

@@ -28,9 +28,7 @@ const MOST: f64 = 1e15;
 pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
     let others = [("animate", args.animate.is_some()), ("perturb", args.perturb.is_some())];
     if let Some((flag, _)) = others.iter().find(|(_, given)| *given) {
-        refuse!(
-            "--{flag} is of chains without dashpots: a structure's run has --impacts, --trajectory, --section, --plot and --json"
-        );
+        refuse!("--{flag} is of lattices: a structure's run has --impacts, --trajectory, --section, --plot and --json");
     }
     let (model, has_period) = model(args, scene)?;
     let args = &args.lasting(model.period())?;

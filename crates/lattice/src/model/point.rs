@@ -167,6 +167,27 @@ impl Model {
         }
     }
 
+    /// The parameters in which another model differs from this one; `None` where its masses stand elsewhere, or its force is of another shape.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Parameter, Point};
+    /// let model = Point::ring(21).gamma1(0.2).gamma2(0.1).omega(1.5).model()?;
+    /// let other = model.with(Parameter::Omega, 1.6)?;
+    /// let differ: Vec<Parameter> = model.differs_in(&other).into_iter().flatten().collect();
+    /// assert_eq!(differ, [Parameter::Omega]);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn differs_in(&self, other: &Self) -> Option<impl Iterator<Item = Parameter> + Clone> {
+        let is_plain = |model: &Self| model.force().cosine_amplitude().is_some();
+        let is_alike = is_plain(self) && is_plain(other)
+            || self.force() == other.force()
+            || self.force().scaled_to(other.amplitude()).is_ok_and(|force| force == *other.force());
+        let (one, other) = (*self, *other);
+        let differ = move |parameter: &Parameter| one.get(*parameter) != other.get(*parameter);
+        let are_there = one.chain().layout() == other.chain().layout();
+        (are_there && is_alike).then(|| Parameter::ALL.into_iter().filter(differ))
+    }
+
     /// The same model with one parameter changed. The amplitude of a force of several harmonics is Σ|A_j|: all of them are
     /// scaled alike.
     ///

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `scene` | [`StructureScene`]: what a file asks, checked |
 //! | `tables`, `named` | what a scene may hold, and the files that it names |
-//! | `damped_chain` | scenes of chains with dashpots and stops of their own |
+//! | `damped_chain` | scenes of chains that no lattice is, as with stops of their own |
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `sizes` | how large a structure may be |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |

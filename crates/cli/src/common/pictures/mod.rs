@@ -138,7 +138,7 @@ impl Pictures<StructureScene> {
         scene: &StructureScene,
     ) -> Result<Self, CliError> {
         if wanted.curves || !wanted.slice.is_empty() {
-            let message = "--curves and --slice are of maps of chains without dashpots: leave them away";
+            let message = "--curves and --slice are of maps of lattices: leave them away";
             return Err(refused(message.to_owned()));
         }
         Self::of(wanted, show, (scene, DrawnScene::Structure(Box::new(scene.clone()))))
