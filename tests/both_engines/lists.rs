@@ -236,6 +236,29 @@ fn lattices_with_dashpots_are_structures_of_matrices() {
     assert!(ordered == lists && orbits > 1200 && physical > 100 && stable > 100 && unstable > 100, "{tally:?}");
 }
 
+/// What dies on its way does not know how long the ring is: one of more masses than a structure may have contacts has the orbits of a short one.
+#[test]
+fn a_damped_ring_may_have_any_size() {
+    let lists = [101, 1501].map(|sites| {
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4);
+        let model = ring.amplitude(0.4).restitution(0.9).damping(0.1).model().unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
+        finder.find(&model, Family::SingleSided, &mut found).unwrap();
+        let margin = |orbit: &Orbit| admissibility(orbit).unwrap().margin;
+        let radius = |orbit: &Orbit| stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius;
+        let told = |orbit: &Orbit| (orbit.impulses(), margin(orbit), radius(orbit));
+        found.orbits.iter().map(told).collect::<Vec<_>>()
+    });
+    assert_eq!(lists.each_ref().map(Vec::len), [2, 2]);
+    for (short, long) in lists[0].iter().zip(&lists[1]) {
+        assert!((short.0[0] - long.0[0]).abs() < 1e-12, "{short:?} {long:?}");
+        assert_eq!(short.1.is_some(), long.1.is_some());
+        assert!(short.1.zip(long.1).is_none_or(|(a, b)| (a - b).abs() < 1e-12), "{short:?} {long:?}");
+        // All that leads to is felt by the mass that is hit, or dies as all do.
+        assert!((short.2 - long.2).abs() < 1e-3, "{short:?} {long:?}");
+    }
+}
+
 /// The first harmonic and some of the next odd ones, whose phases are at times alike.
 fn force(random: &mut Random) -> Force {
     let in_phase = random.chance(0.3);

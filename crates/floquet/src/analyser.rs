@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use nalgebra::Complex;
 use vibrochain_breather::{BreatherError, ContactOrbit, Finder, LatticeOrbit, Orbit};
-use vibrochain_lattice::{Model, aside};
+use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::error::FloquetError;
@@ -221,10 +221,7 @@ impl Analyser {
             if screened || chain.sites() <= by_matrix {
                 return self.by_matrix(question, finder);
             }
-            let impacts = orbit.impacts().len();
-            // Of a ring that is hit at one site half of the modes.
-            let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
-            return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit: felt.max(by_matrix) });
+            return Err(too_many(orbit, by_matrix));
         }
         let (mut verdict, multipliers) = match by_zeros(question, finder) {
             Err(FloquetError::Uncounted(doubt)) => {
@@ -271,8 +268,22 @@ impl Analyser {
 
 /// The orbit as contacts know it, where that tells all: of structures, and of lattices with dashpots, for no path of its own knows of these.
 fn by_contacts(orbit: &Orbit, finder: &mut Finder) -> Result<Option<Arc<ContactOrbit>>, FloquetError> {
-    let all = orbit.model().is_none_or(Model::is_damped);
-    Ok(if all { Some(finder.at_contacts(orbit)?) } else { None })
+    let lattice = orbit.lattice().ok();
+    if lattice.is_some_and(|lattice| !lattice.model().is_damped()) {
+        return Ok(None);
+    }
+    match lattice.filter(|lattice| !is_affordable(*lattice)) {
+        Some(lattice) => Err(too_many(lattice, 0)),
+        None => Ok(Some(finder.at_contacts(orbit)?)),
+    }
+}
+
+/// Of an orbit whose multipliers would take too long; a matrix has those of so many masses.
+fn too_many(orbit: LatticeOrbit<'_>, by_matrix: usize) -> FloquetError {
+    let (masses, impacts) = (orbit.model().chain().sites(), orbit.impacts().len());
+    // Of a ring that is hit at one site half of the modes.
+    let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
+    FloquetError::TooManyModes { masses, impacts, limit: felt.max(by_matrix) }
 }
 
 /// Verdict and, if they are asked for, multipliers from all zeros of the determinant of the impacts' equations; of impacts at several sites with those

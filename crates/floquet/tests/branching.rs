@@ -1,9 +1,9 @@
 //! Bifurcations of random models against the lists of all orbits on both sides of them: what is handed over, and the two
-//! orbits that meet in a fold.
+//! orbits that meet in a fold; and what tells that they are where they are.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_floquet::{Event, Located, Search, locate};
+use vibrochain_breather::{Family, Motion, Orbit, breathers};
+use vibrochain_floquet::{Course, Event, Evidence, Located, Search, diagram, locate};
 use vibrochain_lattice::{Model, Parameter};
 use vibrochain_testkit::Values::{Even, Is, Log};
 use vibrochain_testkit::{Random, Ranges};
@@ -196,4 +196,40 @@ fn every_fold_ends_two_orbits() {
     }
     println!("{checked} checked, {undecided} undecided");
     assert!(checked >= 60 && undecided <= 6, "{checked} {undecided}");
+}
+
+/// Along branches of doubled orbits the longer flight comes first, whichever that is: evidence names the impact, or the time, of the orbit as it is told.
+#[test]
+fn evidence_is_of_the_orbit_that_is_told() {
+    let mut random = Random(67);
+    let (mut vanishing, mut touching, mut doubled) = (0, 0, 0);
+    for _ in 0..60 {
+        let model = random.model(&Ranges { sites: [1, 5], gamma2: Log(1e-3, 0.2), ..Ranges::FORCED });
+        let Ok(found) = breathers(&model, Family::PeriodDoubled) else { continue };
+        for orbit in &found.orbits {
+            let Ok(diagram) = diagram(orbit, &Course::new(orbit, Parameter::Amplitude)) else { continue };
+            for located in diagram.branches[0].events() {
+                let impacts = located.orbit.impacts();
+                let fastest = impacts.iter().map(|impact| impact.velocity_before.abs()).fold(0.0, f64::max);
+                match located.evidence {
+                    Evidence::Impact(i) => {
+                        assert!(impacts[i].velocity_before.abs() < 1e-7 * fastest, "{model} {i} {impacts:?}");
+                        vanishing += 1;
+                    }
+                    Evidence::Touch(touch) => {
+                        let mass = Motion::of(&located.orbit).unwrap().at(touch.site, touch.time);
+                        let wall = located.orbit.model().unwrap().barrier(touch.barrier);
+                        let apart = (mass.displacement - wall).abs();
+                        assert!(apart < 1e-7 && mass.velocity.abs() < 1e-3 * fastest, "{model} {touch:?} {apart:e}");
+                        touching += 1;
+                    }
+                    Evidence::Multiplier(_) => continue,
+                }
+                let [first, second] = impacts else { continue };
+                assert!(second.time - first.time >= 0.5 * located.orbit.period() * (1.0 - 1e-9), "{model} {impacts:?}");
+                doubled += 1;
+            }
+        }
+    }
+    assert!(vanishing > 5 && touching > 2 && doubled > 5, "{vanishing} {touching} {doubled}");
 }

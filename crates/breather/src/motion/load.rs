@@ -22,7 +22,7 @@ impl Motion {
             // An orbit just found is there already.
             return;
         }
-        self.begin(orbit, response.shapes(), response.frequencies());
+        self.begin(orbit, || response.shapes().clone(), response.frequencies());
         self.decays.clear();
         self.period = response.period();
         let (weights, uniform) = (response.weights(), !model.chain().has_walls());
@@ -68,30 +68,30 @@ impl Motion {
         if self.is_loaded(orbit, period) {
             return;
         }
-        let known = self.dying.take().filter(|modes| modes.are_of(model, period));
-        let modes = known.unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
-        self.begin(orbit, &modes.shapes, &modes.frequencies);
+        let mut modes = self.dying.take().unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
+        modes.reset(model, period);
+        self.begin(orbit, || Shapes::new(model.chain()), modes.frequencies());
         self.decays.clone_from(&modes.decays);
         self.period = period;
         self.states.clear();
         for (i, &start) in self.starts.iter().enumerate() {
             if i > 0 && start == self.starts[i - 1] {
-                self.states.extend_from_within(self.states.len() - orbit.sources().len() * modes.weights.len()..);
+                self.states.extend_from_within(self.states.len() - orbit.sources().len() * modes.weights().len()..);
                 continue;
             }
             for (s, source) in orbit.sources().iter().enumerate() {
                 let from = self.states.len();
-                self.states.resize(from + modes.weights.len(), (0.0, 0.0));
+                self.states.resize(from + modes.weights().len(), (0.0, 0.0));
                 let states = &mut self.states[from..];
                 // Where nothing holds the lattice its place is not that of its impulses.
                 if s == 0 {
-                    states[0].0 = orbit.uniform_offset() / modes.weights[0];
+                    states[0].0 = orbit.uniform_offset() / modes.weights()[0];
                 }
                 for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
                     let elapsed = start - impact.time;
                     modes.add_response(states, impact.impulse, if elapsed < 0.0 { elapsed + period } else { elapsed });
                 }
-                for ((q, p), weight) in states.iter_mut().zip(&modes.weights) {
+                for ((q, p), weight) in states.iter_mut().zip(modes.weights()) {
                     (*q, *p) = (weight * *q, weight * *p);
                 }
             }
@@ -101,7 +101,7 @@ impl Motion {
     }
 
     /// Takes over all but what modes do.
-    fn begin(&mut self, orbit: LatticeOrbit<'_>, shapes: &Shapes, frequencies: &[f64]) {
+    fn begin(&mut self, orbit: LatticeOrbit<'_>, shapes: impl FnOnce() -> Shapes, frequencies: &[f64]) {
         let model = orbit.model();
         (self.origin.uniform_offset, self.origin.dashpots) = (orbit.uniform_offset(), model.dashpots());
         self.origin.impacts.clear();
@@ -109,7 +109,7 @@ impl Motion {
         self.origin.net_impulses.clear();
         self.origin.net_impulses.extend(net_impulses(orbit));
         if !self.shapes.are_of(model.chain()) {
-            self.shapes = shapes.clone();
+            self.shapes = shapes();
             self.table.clear();
         }
         self.set_table(orbit, frequencies.len());

@@ -178,7 +178,7 @@ impl<'a> ContactMotion<'a> {
         let mut sums = [0.0; 4];
         for (j, other) in impacts.iter().enumerate() {
             let lapse = impacts[i].time - other.time + if j > i { self.orbit.period() } else { 0.0 } + s;
-            let jet = rigid_jet(mode, self.orbit.period(), lapse);
+            let jet = rigid_jet(mode.decay, self.orbit.period(), lapse);
             (0..4).for_each(|order| sums[order] += Equations::shape(mode, other.site) * other.impulse * jet[order]);
         }
         sums

@@ -62,7 +62,7 @@ impl Equations<'_> {
         let places: Vec<usize> = near.iter().map(|(place, _)| *place).collect();
         let opened = |mode: &LinearMode| OpenMode {
             mode: mode.clone(),
-            one_less: one_less(mode, kernel.period),
+            one_less: one_less(mode.flow(), kernel.period),
             loads: SmallVec::new(),
         };
         let chosen = kernel.regular().enumerate().filter(|(place, _)| places.contains(place));
@@ -212,7 +212,7 @@ impl Equations<'_> {
         let fast = length([own.mode.decay, own.mode.rate]);
         own.mode.decay += decay * fast;
         own.mode.rate += rate * fast;
-        own.one_less = one_less(&own.mode, self.period());
+        own.one_less = one_less(own.mode.flow(), self.period());
         moved
     }
 

@@ -221,7 +221,7 @@ fn every_way_out_has_the_same_rows() {
     dir.run("sweep scene.toml --out other.csv --threshold 1e9 --quiet").with(0, &[]);
     assert!(!String::from_utf8(dir.read("other.csv")).unwrap().contains(",unstable,"));
     assert!(String::from_utf8(table).unwrap().contains(",unstable,"));
-    dir.run("sweep scene.toml --out map.csv --curves --plot map.svg").with(2, &["of maps of chains"]);
+    dir.run("sweep scene.toml --out map.csv --curves --plot map.svg").with(2, &["of maps of lattices"]);
 }
 
 /// Where a stable orbit of one impact lives the section is its one point: the place of the contact as the load is greatest.

@@ -133,7 +133,7 @@ fn a_run_is_drawn_over_its_orbit_and_cut_by_sections() {
         orbit["impacts"].as_array().unwrap().iter().map(|impact| number(&impact["velocity_before"])).collect();
     assert_eq!(rows.len(), 10);
     assert!(rows.iter().all(|row| told.iter().any(|velocity| (velocity - row[5]).abs() < 1e-11)), "{rows:?} {told:?}");
-    for (flags, told) in [("--perturb 1e-3", "--perturb is of chains"), ("--samples 0", "out of range")] {
+    for (flags, told) in [("--perturb 1e-3", "--perturb is of lattices"), ("--samples 0", "out of range")] {
         let ran = dir.run(&format!("simulate --scene scene.toml --periods 1 --trajectory t.csv {flags}"));
         assert!(ran.code == Some(2) && ran.err.contains(told), "{flags}: {}", ran.err);
     }

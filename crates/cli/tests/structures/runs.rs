@@ -54,7 +54,7 @@ fn runs_repeat_orbits_and_settle_on_them() {
     dir.run("simulate --scene scene.toml --state state.json").with(2, &["beyond"]);
     fs::write(dir.path("state.json"), "{\"displacement\": [0.1], \"velocity\": [0]}").unwrap();
     dir.run("simulate --scene scene.toml --state state.json").with(2, &["needs 2"]);
-    dir.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of chains"]);
+    dir.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of lattices"]);
 }
 
 /// Next to a doubling of its period a run settles slowly, to and fro: impacts two periods apart are alike long before it has settled. And

@@ -18,6 +18,7 @@ use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 
 use rigid::rigid_by_period;
 pub(crate) use rigid::rigid_jet;
+pub(crate) use sum::inverse;
 pub(super) use sum::{Jet, Sum, UNIT, length, one_less};
 use turning_modes::TurningModes;
 
@@ -160,7 +161,7 @@ impl PeriodicKernel {
         for mode in &self.rigid {
             let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
             let size = shapes.abs() + mode.errors_between(to, from) * mode.rate / UNIT;
-            for (order, own) in rigid_jet(mode, self.period, t).into_iter().enumerate() {
+            for (order, own) in rigid_jet(mode.decay, self.period, t).into_iter().enumerate() {
                 jet[order] += shapes * own;
                 sizes[order] += size * own.abs();
             }
@@ -179,7 +180,7 @@ impl PeriodicKernel {
     pub(super) fn within(&self, distance: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
         let swings = |mode: &LinearMode| mode.turn == Turn::Circular && mode.decay >= 0.0;
         let away = |mode: &LinearMode| {
-            let less = one_less(mode, self.period);
+            let less = one_less(mode.flow(), self.period);
             length([less.even, less.odd])
         };
         let modes = self.regular().map(|(mode, _)| mode).enumerate();
@@ -223,14 +224,9 @@ impl PeriodicKernel {
         }
         for mode in &self.rigid {
             let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
-            let own = rigid_by_period(mode, self.period, t);
+            let own = rigid_by_period(mode.decay, self.period, t);
             slopes.iter_mut().zip(own).for_each(|(entry, own)| *entry += shapes * own);
         }
         slopes
     }
-}
-
-/// (1−R)⁻¹ of a mode; `None` of a rigid one.
-pub(crate) fn sum_over_periods(mode: &LinearMode, period: f64) -> Option<Turned> {
-    Sum::of(mode, period).map(|sum| sum.sum)
 }

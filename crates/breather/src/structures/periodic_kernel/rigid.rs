@@ -2,8 +2,6 @@
 //!
 //! Next to c = 0 each term of [½ − t/T − e^{−ct}/(1−e^{−cT})]/c is as large as 1/c²T: all is written in quotients that are smooth there.
 
-use vibrochain_lattice::LinearMode;
-
 /// Below this h and its like are sums of a series.
 const SERIES: f64 = 0.5;
 
@@ -46,9 +44,9 @@ fn slope(a: f64, b: f64) -> f64 {
     sum
 }
 
-/// k of a rigid mode and its first three derivatives at 0 ≤ t ≤ T. (Its rows are [φ, 0], its columns [0, φ/κ].)
-pub(crate) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
-    let (part, dashpot) = (t / period, 2.0 * mode.decay);
+/// k of a rigid mode whose dashpot is 2δ, and its first three derivatives at 0 ≤ t ≤ T. (Its rows are [φ, 0], its columns [0, φ/κ].)
+pub(crate) fn rigid_jet(decay: f64, period: f64, t: f64) -> [f64; 4] {
+    let (part, dashpot) = (t / period, 2.0 * decay);
     if dashpot == 0.0 {
         return [0.5 * t * (1.0 - part), 0.5 - part, -period.recip(), 0.0];
     }
@@ -61,8 +59,8 @@ pub(crate) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
 }
 
 /// Derivatives by T of a rigid mode's k and its first two derivatives, at −T < t < T: of those at t + T where t is not positive.
-pub(super) fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3] {
-    let (part, dashpot) = (t / period, 2.0 * mode.decay);
+pub(super) fn rigid_by_period(decay: f64, period: f64, t: f64) -> [f64; 3] {
+    let (part, dashpot) = (t / period, 2.0 * decay);
     if dashpot == 0.0 {
         return [0.5 * part * part, part / period, (period * period).recip()];
     }
@@ -74,23 +72,19 @@ pub(super) fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::ModeShape;
-
     use super::*;
 
     /// c of 1e-9 and less, where the kernel is that without a dashpot and what first order adds; large c, by the formula with its terms; differences
     /// by t, and by T with t and with t − T held.
     #[test]
     fn kernels_of_rigid_modes_are_smooth_where_their_dashpots_vanish() {
-        let shape = ModeShape { contacts: vec![1.0], ..ModeShape::default() };
-        let mode = |dashpot: f64| LinearMode::oscillator(0.5 * dashpot, -0.25 * dashpot * dashpot, &shape, &[]);
         let mut checked = 0;
         for dashpot in [1e-14, 1e-9, 1e-4, 0.03, 0.19, 0.3, 2.0, -1e-9, -0.02, -0.4] {
-            let (own, period) = (mode(dashpot), 2.6);
+            let (own, period) = (0.5 * dashpot, 2.6);
             for part in [0.0, 1e-3, 0.3, 0.77, 1.0] {
                 let t = part * period;
-                let jet = rigid_jet(&own, period, t);
-                let [place, speed, ..] = rigid_jet(&mode(0.0), period, t);
+                let jet = rigid_jet(own, period, t);
+                let [place, speed, ..] = rigid_jet(0.0, period, t);
                 // c(T − t)(T − 2t)t/12T, by hand.
                 let first = dashpot * (period - t) * (period - 2.0 * t) * t / (12.0 * period);
                 let size = dashpot * dashpot;
@@ -104,17 +98,17 @@ mod tests {
                 }
                 let step = 1e-4;
                 if (step..period - step).contains(&t) {
-                    let [before, after] = [-step, step].map(|by| rigid_jet(&own, period, t + by));
+                    let [before, after] = [-step, step].map(|by| rigid_jet(own, period, t + by));
                     for order in 0..3 {
                         let rise = (after[order] - before[order]) / (2.0 * step);
                         assert!((rise - jet[order + 1]).abs() < 1e-7, "{dashpot} {part} {order}: {rise} {jet:?}");
                     }
                 }
-                let [shorter, longer] = [-step, step].map(|by| rigid_jet(&own, period + by, t));
-                let [earlier, later] = [-step, step].map(|by| rigid_jet(&own, period + by, t + by));
+                let [shorter, longer] = [-step, step].map(|by| rigid_jet(own, period + by, t));
+                let [earlier, later] = [-step, step].map(|by| rigid_jet(own, period + by, t + by));
                 for (told, [low, high]) in [
-                    (rigid_by_period(&own, period, t), [shorter, longer]),
-                    (rigid_by_period(&own, period, t - period), [earlier, later]),
+                    (rigid_by_period(own, period, t), [shorter, longer]),
+                    (rigid_by_period(own, period, t - period), [earlier, later]),
                 ] {
                     for order in 0..3 {
                         let rise = (high[order] - low[order]) / (2.0 * step);

@@ -1,6 +1,6 @@
 //! What a regular mode adds up to over all periods, and how well that is known.
 
-use vibrochain_lattice::{LinearMode, Turn, Turned};
+use vibrochain_lattice::{LinearMode, ModeFlow, Turn, Turned};
 
 /// From 1 − R = 1e-3 on the error of (1−R)⁻¹ is kept apart from that of terms: it is the same in all of them, as if the frequency of the mode
 /// were another one, and an orbit next to a resonance feels it far less than errors of its terms one by one.
@@ -32,15 +32,7 @@ impl Sum {
         if mode.is_rigid() {
             return None;
         }
-        let one_less = one_less(mode, period);
-        let square = match mode.turn {
-            Turn::Circular => one_less.even * one_less.even + one_less.odd * one_less.odd,
-            // By the two poles.
-            Turn::Hyperbolic => (one_less.even + one_less.odd) * (one_less.even - one_less.odd),
-            Turn::Parabolic => one_less.even * one_less.even,
-        };
-        // 1 − R = a − bJ has the inverse (a + bJ)/(a² + σb²); `odd` holds −b.
-        let sum = Turned { even: one_less.even / square, odd: -one_less.odd / square };
+        let (sum, square) = inverse(mode.flow(), period);
         let size = (mode.errors.poles / f64::EPSILON).max(mode.decay.abs() + mode.rate) * period;
         let away = square.abs().sqrt();
         let fast = length([mode.decay, mode.rate]);
@@ -59,10 +51,23 @@ pub(in crate::structures) fn length([x, y]: [f64; 2]) -> f64 {
     if square > 1e-280 && square < 1e280 { square.sqrt() } else { x.hypot(y) }
 }
 
+/// (1−R)⁻¹ of a mode that is not rigid, and the square of the length of 1 − R.
+pub(crate) fn inverse(flow: ModeFlow, period: f64) -> (Turned, f64) {
+    let one_less = one_less(flow, period);
+    let square = match flow.turn {
+        Turn::Circular => one_less.even * one_less.even + one_less.odd * one_less.odd,
+        // By the two poles.
+        Turn::Hyperbolic => (one_less.even + one_less.odd) * (one_less.even - one_less.odd),
+        Turn::Parabolic => one_less.even * one_less.even,
+    };
+    // 1 − R = a − bJ has the inverse (a + bJ)/(a² + σb²); `odd` holds −b.
+    (Turned { even: one_less.even / square, odd: -one_less.odd / square }, square)
+}
+
 /// 1 − e^{AT} as a + bJ, without cancellation next to a resonance.
-pub(in crate::structures) fn one_less(mode: &LinearMode, period: f64) -> Turned {
-    let (decay, angle) = (-mode.decay * period, mode.rate * period);
-    match mode.turn {
+pub(in crate::structures) fn one_less(flow: ModeFlow, period: f64) -> Turned {
+    let (decay, angle) = (-flow.decay * period, flow.rate * period);
+    match flow.turn {
         Turn::Circular => {
             let half = (0.5 * angle).sin();
             if decay == 0.0 {
