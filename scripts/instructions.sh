@@ -9,7 +9,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-loops=(conservative-cells structure-cells forced-cells table-rows simulated-breather hot-ring)
+loops=(conservative-cells structure-cells forced-cells damped-cells table-rows simulated-breather hot-ring)
 kept=scripts/instructions.txt
 most=3
 

@@ -49,6 +49,8 @@ pub enum LoopName {
     StructureCells,
     /// The same of its forced map, all solutions.
     ForcedCells,
+    /// Cells of a forced map with dashpots.
+    DampedCells,
     /// Rows of a table as text.
     TableRows,
     /// Periods of a simulated breather.

@@ -42,6 +42,7 @@ pub fn run(args: &LoopArgs, console: &mut Console<'_>) -> Result<(), CliError> {
         LoopName::ConservativeCells => cells("")?,
         LoopName::StructureCells => structure_cells()?,
         LoopName::ForcedCells => cells("forcing = { amplitude = 0.1, restitution = 0.9 }")?,
+        LoopName::DampedCells => cells("forcing = { amplitude = 0.1, restitution = 0.9 }\ndamping = 0.01")?,
         LoopName::TableRows => rows()?,
         LoopName::SimulatedBreather => {
             let model = model().map_err(|error| wrong(&error))?;
