@@ -8,6 +8,8 @@
 
 use vibrochain_lattice::{Barrier, Layout};
 
+use crate::admissible::gap::Closest;
+
 /// What keeps a solution from being an orbit of the real chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
@@ -124,6 +126,25 @@ pub struct Approach {
 }
 
 impl Admissibility {
+    /// What is in the way of impacts that cannot be.
+    pub(crate) fn barred(by: Obstruction) -> Self {
+        Self { margin: None, obstruction: Some(by), closest: None }
+    }
+
+    /// By the closest approach of all, along an orbit of a period.
+    pub(crate) fn of(Closest { distance, site, barrier, time }: Closest, period: f64) -> Self {
+        // A flight may reach beyond the period.
+        let time = time.rem_euclid(period);
+        let found = distance.is_finite();
+        // From 0, so that a touch is 0 beyond its barrier and not −0.
+        let crossing = Obstruction::Crossing { site, barrier, time, excess: 0.0 - distance };
+        Self {
+            margin: found.then_some(distance),
+            obstruction: (distance <= 0.0).then_some(crossing),
+            closest: found.then_some(Approach { site, barrier, time }),
+        }
+    }
+
     /// Nothing is in the way.
     pub fn is_physical(&self) -> bool {
         self.obstruction.is_none()

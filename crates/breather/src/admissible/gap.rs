@@ -67,12 +67,17 @@ impl Closest {
     pub(crate) fn note(&mut self, gap: Gap, site: usize, time: f64, displacement: f64) {
         for barrier in [Barrier::Lower, Barrier::Upper] {
             let distance = gap.half - (displacement - gap.centre) * barrier.sign();
-            if distance < self.distance - ALIKE * distance.abs().max(gap.half) || self.distance == f64::INFINITY {
-                *self = Self { distance, site, barrier, time };
-            } else {
-                // Approaches that a symmetry makes alike differ by rounding: the first one is told.
-                self.distance = self.distance.min(distance);
-            }
+            self.note_distance(distance, gap.half, (site, barrier), time);
+        }
+    }
+
+    /// Takes note of a distance to a barrier, half of whose gap is so large.
+    pub(crate) fn note_distance(&mut self, distance: f64, half: f64, (site, barrier): (usize, Barrier), time: f64) {
+        if distance < self.distance - ALIKE * distance.abs().max(half) || self.distance == f64::INFINITY {
+            *self = Self { distance, site, barrier, time };
+        } else {
+            // Approaches that a symmetry makes alike differ by rounding: the first one is told.
+            self.distance = self.distance.min(distance);
         }
     }
 }

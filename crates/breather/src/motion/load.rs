@@ -65,7 +65,7 @@ impl Motion {
     /// Takes over an orbit of a lattice with dashpots.
     pub(crate) fn load_dying(&mut self, orbit: LatticeOrbit<'_>) {
         let (model, period) = (orbit.model(), orbit.period());
-        if self.is_loaded(orbit, period) {
+        if self.is_of_dying(orbit) {
             return;
         }
         let mut modes = self.dying.take().unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
@@ -126,6 +126,16 @@ impl Motion {
     /// Holds this orbit already.
     pub(crate) fn is_of(&self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) -> bool {
         self.is_loaded(orbit, response.period())
+    }
+
+    /// The same of a lattice with dashpots.
+    pub(crate) fn is_of_dying(&self, orbit: LatticeOrbit<'_>) -> bool {
+        self.is_loaded(orbit, orbit.period())
+    }
+
+    /// Takes over the modes of a lattice with dashpots from another motion, which keeps its orbit.
+    pub(crate) fn take_modes(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.dying, &mut other.dying);
     }
 
     fn is_loaded(&self, orbit: LatticeOrbit<'_>, period: f64) -> bool {

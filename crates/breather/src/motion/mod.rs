@@ -7,6 +7,7 @@
 mod around;
 mod dying;
 mod load;
+pub(crate) mod modal;
 pub(crate) mod polynomial;
 pub(crate) mod window;
 
@@ -352,15 +353,19 @@ impl Motion {
         self.states.iter().map(|(q, p)| q.abs() + p.abs()).sum()
     }
 
-    /// The flight that begins with the first impact, whose state goes into `start`; without shapes unless impacts are at one site of a
-    /// small ring.
-    pub(crate) fn flight<'a>(&'a self, start: &'a mut [Vec<Lane>; 2]) -> Flight<'a> {
-        let states = self.states.get(..self.frequencies.len()).unwrap_or_default();
+    /// The flight of interval `i`, whose first state goes into `start`; without shapes unless impacts are at one site of a small ring.
+    pub(crate) fn flight<'a>(&'a self, i: usize, start: &'a mut [Vec<Lane>; 2]) -> Flight<'a> {
+        let modes = self.frequencies.len();
+        let states = self.states.get(i * modes..(i + 1) * modes).unwrap_or_default();
         let [displacements, velocities] = start;
         fill(displacements, states.iter().map(|(q, _)| *q), 0.0);
         fill(velocities, states.iter().map(|(_, p)| *p), 0.0);
         let shapes: &[Lane] = if self.is_centred() { &self.table } else { &[] };
-        Flight::of_ring(&self.frequencies, shapes, [displacements, velocities])
+        let flight = Flight::of_ring(&self.frequencies, shapes, [displacements, velocities]);
+        match self.steady.uniform() {
+            Some(wave) if wave.top_rate() > 0.0 => flight.driven(wave, self.force_time(i, 0.0)),
+            _ => flight,
+        }
     }
 
     /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights

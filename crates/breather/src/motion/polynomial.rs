@@ -7,8 +7,8 @@
 //!
 //! and the interval is halved otherwise.
 
-use vibrochain_lattice::Barrier;
 use vibrochain_lattice::simd::lanes::{Lane, total};
+use vibrochain_lattice::{Barrier, Wave};
 use wide::f64x4;
 
 /// Number of coefficients: over one radian of a motion the first one left out is below 1/20! = 4e-19 of it.
@@ -28,6 +28,34 @@ const FACTORS: [[f64; 2]; ORDER / 2] = {
     }
     factors
 };
+
+/// k(k−1)(k−2), from coefficients to third derivatives.
+const THIRDS: [f64; ORDER] = {
+    let mut factors = [0.0; ORDER];
+    let mut k = 3;
+    while k < ORDER {
+        factors[k] = (k * (k - 1) * (k - 2)) as f64;
+        k += 1;
+    }
+    factors
+};
+
+/// Coefficients of a sum of cosines in a time from `time` on, counted in a unit.
+pub(crate) fn taylor<const N: usize>(wave: &Wave, time: f64, unit: f64) -> [f64; N] {
+    let mut coefficients = [0.0; N];
+    // No force is a term of amplitude 0: not worth a sine.
+    for term in wave.terms().iter().filter(|term| term.amplitude != 0.0) {
+        let (sin, cos) = (term.rate * time + term.phase).sin_cos();
+        // Derivatives of A cos: A cos, −Aω sin, −Aω² cos, Aω³ sin, …, over k!.
+        let (mut size, rate) = (term.amplitude, term.rate * unit);
+        let quarter = [cos, -sin, -cos, sin];
+        for (k, coefficient) in coefficients.iter_mut().enumerate() {
+            *coefficient += size * quarter[k % 4];
+            size *= rate / (k + 1) as f64;
+        }
+    }
+    coefficients
+}
 
 /// A Taylor polynomial.
 #[derive(Debug, Clone, Copy)]
@@ -62,9 +90,9 @@ impl Polynomial {
     }
 
     /// The same in the form that turning points are sought in: the distance from a barrier, over the scale that is told too, is 1 − |p|, and p beyond
-    /// −1 is far away, on −`length` … `length`.
-    pub(crate) fn before(&self, barrier: Barrier, stop: f64, length: f64) -> (Self, f64) {
-        let far = self.coefficients.iter().rev().fold(0.0, |sum: f64, c| sum * length + c.abs());
+    /// −1 is far away, on −1 … 1.
+    pub(crate) fn before(&self, barrier: Barrier, stop: f64) -> (Self, f64) {
+        let far: f64 = self.coefficients.iter().map(|c| c.abs()).sum();
         let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
         let mut own = *self;
         own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
@@ -95,11 +123,8 @@ impl Polynomial {
 
     /// A bound on the modulus of the third derivative on −`length` … `length`.
     pub(crate) fn third_bound(&self, length: f64) -> f64 {
-        let mut bound = 0.0;
-        for (k, c) in self.coefficients.iter().enumerate().skip(3).rev() {
-            bound = bound * length + c.abs() * (k * (k - 1) * (k - 2)) as f64;
-        }
-        bound
+        let terms = self.coefficients.iter().zip(&THIRDS).rev();
+        terms.take(ORDER - 3).fold(0.0, |bound, (c, factor)| bound * length + c.abs() * factor)
     }
 }
 

@@ -20,7 +20,7 @@ use vibrochain_lattice::{DistinctMasses, Model, Wave};
 use wide::f64x4;
 
 use crate::motion::Motion;
-use crate::motion::polynomial::{ORDER, Polynomial};
+use crate::motion::polynomial::{ORDER, Polynomial, taylor};
 
 /// Windows after which the masses are set anew from the modes, so that rounding cannot add up.
 const REFRESH: usize = 32;
@@ -107,19 +107,7 @@ impl Window {
     /// What the force adds to each order of the polynomials; `time` is t+ψ at the window's start.
     pub(crate) fn pushes(&self, force: &Wave, time: f64) -> Pushes {
         let squared = self.unit * self.unit;
-        let mut pushes = [0.0; ORDER - 2];
-        for term in force.terms() {
-            let (sin, cos) = (term.rate * time + term.phase).sin_cos();
-            // Derivatives of A cos: A cos, −Aω sin, −Aω² cos, Aω³ sin, …, over k!.
-            let mut size = term.amplitude * squared;
-            let rate = term.rate * self.unit;
-            let quarter = [cos, -sin, -cos, sin];
-            for (k, push) in pushes.iter_mut().enumerate() {
-                *push += size * quarter[k % 4];
-                size *= rate / (k + 1) as f64;
-            }
-        }
-        pushes
+        taylor::<{ ORDER - 2 }>(force, time, self.unit).map(|push| push * squared)
     }
 
     /// The masses in blocks, each of which [`Window::expand`] takes over.
@@ -186,6 +174,18 @@ impl Window {
                 continue;
             }
             let speeds = &known[(k + 1) * stride..];
+            if dashpots[1] == 0.0 {
+                // Of dashpots to the ground alone neighbours know nothing.
+                let c1 = f64x4::splat(dashpots[0] * (k + 1) as f64);
+                let own = speeds[FIRST..].as_chunks::<LANES>().0;
+                for (((next, own), (left, right)), speed) in targets.zip(sides).zip(own) {
+                    let (own, sides) = (f64x4::from(*own), f64x4::from(*left) + f64x4::from(*right));
+                    let pulled = g1 * own + g2 * (own + own - sides) + c1 * f64x4::from(*speed);
+                    *next = (scale * (push - pulled)).to_array();
+                }
+                close(next);
+                continue;
+            }
             let beside =
                 [&speeds[..stride - 2], &speeds[1..stride - 1], &speeds[2..]].map(|row| row.as_chunks::<LANES>().0);
             let speeds = beside[0].iter().zip(beside[1]).zip(beside[2]);

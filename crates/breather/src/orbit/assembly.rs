@@ -103,14 +103,25 @@ impl Orbit {
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
     pub fn from_impulses(model: &Model, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Self, BreatherError> {
+        Self::from_impulses_in(None, model, force_periods, psi, impacts)
+    }
+
+    /// The same in the room of a motion, which is left holding this orbit.
+    pub(crate) fn from_impulses_in(
+        room: Option<&mut Motion>,
+        model: &Model,
+        force_periods: u32,
+        psi: f64,
+        impacts: &[Hit],
+    ) -> Result<Self, BreatherError> {
         let chain = model.chain();
         let bad = |index, what| Err(BreatherError::Impact { index, what });
         if force_periods == 0 || impacts.is_empty() {
             return bad(0, "give at least one impact and one period");
         }
         let omega = model.omega() / f64::from(force_periods);
-        let spectrum = Spectrum::new(*chain);
-        let response = if model.is_damped() { None } else { Some(ImpulseResponse::new(&spectrum, omega)?) };
+        let spectrum = (!model.is_damped()).then(|| Spectrum::new(*chain));
+        let response = spectrum.as_ref().map(|spectrum| ImpulseResponse::new(spectrum, omega)).transpose()?;
         let (response, period) = (response.as_ref(), model.period() * f64::from(force_periods));
         let mut previous = 0.0;
         for (index, &Hit { site, time, impulse, .. }) in impacts.iter().enumerate() {
@@ -148,14 +159,18 @@ impl Orbit {
             uniform_offset,
             at_contacts: None,
         };
-        let shapes = response.map_or_else(|| Shapes::new(chain), |response| response.shapes().clone());
-        let mut motion = Motion::vacant(chain, shapes);
+        let shapes = || response.map_or_else(|| Shapes::new(chain), |response| response.shapes().clone());
+        let mut own = None;
+        let motion = match room {
+            Some(motion) => motion,
+            None => own.insert(Motion::vacant(chain, shapes())),
+        };
         if chain.is_adrift() {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
-            Self::assemble_any(model, response, &mut motion, draft.clone())?;
+            Self::assemble_any(model, response, motion, draft.clone())?;
             let Hit { site, barrier, .. } = impacts[0];
             draft.uniform_offset = model.barrier(barrier) - motion.just_after(0, site).0.displacement;
         }
-        Self::assemble_any(model, response, &mut motion, draft)
+        Self::assemble_any(model, response, motion, draft)
     }
 }

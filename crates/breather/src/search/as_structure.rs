@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, Model, Parameter, Stop, Wave};
 
 use crate::error::{BreatherError, NoBreather};
-use crate::orbit::{Draft, Family, Hit, Impact, Orbit};
+use crate::orbit::{Draft, Family, Hit, Impact};
 use crate::search::completeness::Searched;
 use crate::search::finder::Scope;
 use crate::structures::model::LoadedStructure;
@@ -38,17 +38,16 @@ fn unless_stopped(listed: Result<Listed, BreatherError>) -> Result<Option<Listed
 /// The orbits of a lattice with dashpots, among contacts at the masses that hit, which `known` is left with; and what is known of their list.
 pub(crate) fn of_masses(
     (model, sites): (&Model, &[usize]),
-    family: Family,
     request: Request<'_>,
     (known, stop): (&mut Option<Box<LoadedStructure>>, &Stop),
-) -> Result<(Vec<Orbit>, Searched), BreatherError> {
+) -> Result<(Vec<ContactOrbit>, Searched), BreatherError> {
     let structure = LoadedStructure::of_masses_from(known.as_deref(), model, sites, stop)?;
     let structure = &**known.insert(Box::new(structure));
     let Listed { orbits, mut searched, .. } = structure.listed(request)?;
     if let Some(times) = searched.too_weak {
         searched.reason = Some(NoBreather::ForceTooWeak { threshold: times * model.amplitude() });
     }
-    Ok((orbits.into_iter().map(|orbit| orbit.into_orbit(family)).collect::<Result<_, _>>()?, searched))
+    Ok((orbits, searched))
 }
 
 /// The orbits of one mass, number `home`, that are requested of mass 0, and what is known of their list. `known` is the lattice as a structure with a

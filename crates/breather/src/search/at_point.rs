@@ -219,14 +219,23 @@ impl Finder {
             return Ok(());
         }
         let request = Request::new(&word, periods, wanted);
-        let (orbits, searched) = of_masses((model, &[home]), family, request, (&mut self.contact, &self.stop))?;
-        let pushes = |orbit: &Orbit| orbit.impacts().iter().all(Impact::is_right_signed);
-        let (listed, refused): (Vec<_>, Vec<_>) =
-            orbits.into_iter().partition(|orbit| !wanted.candidates() || pushes(orbit));
-        let (sound, unsound): (Vec<_>, Vec<_>) = listed.into_iter().partition(Orbit::is_sound);
-        let refused = searched.refused + refused.len();
-        found.orbits.extend(sound);
-        let (listed, lost) = (found.orbits.len(), searched.lost + unsound.len());
+        let (orbits, searched) = of_masses((model, &[home]), request, (&mut self.contact, &self.stop))?;
+        let (mut refused, mut lost) = (searched.refused, searched.lost);
+        for orbit in orbits {
+            if wanted.candidates() && !orbit.impacts().iter().all(Impact::is_right_signed) {
+                refused += 1;
+                continue;
+            }
+            std::mem::swap(&mut self.motion, &mut self.earlier);
+            self.motion.take_modes(&mut self.earlier);
+            let orbit = orbit.into_orbit_in(Some(&mut self.motion), family)?;
+            if orbit.is_sound() {
+                found.orbits.push(orbit);
+            } else {
+                lost += 1;
+            }
+        }
+        let listed = found.orbits.len();
         found.completeness = Completeness::of(&Searched { listed, refused, lost, ..searched });
         found.sort();
         Ok(())

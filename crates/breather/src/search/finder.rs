@@ -231,6 +231,9 @@ impl Finder {
     fn load(&mut self, orbit: LatticeOrbit<'_>) -> Result<(), BreatherError> {
         if orbit.model().is_damped() {
             self.stop.heard()?;
+            if self.earlier.is_of_dying(orbit) {
+                std::mem::swap(&mut self.motion, &mut self.earlier);
+            }
             self.motion.load_dying(orbit);
             return Ok(());
         }

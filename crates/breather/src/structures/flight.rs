@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ParticipatingModes, Stopped, Turn, Turned};
 
 use super::equations::Equations;
 use super::orbit::ContactOrbit;
@@ -11,6 +11,7 @@ use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
 use crate::error::BreatherError;
 use crate::motion::Motion;
+use crate::motion::modal::view::{View, reach};
 use crate::orbit::Impact;
 
 type C = Complex<f64>;
@@ -62,6 +63,14 @@ impl<'a> ContactMotion<'a> {
             let place = number - states.len();
             self.rigid_state(&rigid[place], i, 0.0, self.orbit.offsets()[place])
         })
+    }
+
+    /// First and second coordinates of what contacts see at the start of the flight after impact `i`.
+    pub(super) fn begin(&self, view: &View, i: usize, [x, y]: [&mut [f64]; 2]) {
+        for (k, &number) in view.numbers.iter().enumerate() {
+            [x[k], y[k]] = self.state(i, number);
+        }
+        view.begin_swings(self.load_time(i, 0.0), [x, y]);
     }
 
     /// ξ of a rigid mode.
@@ -238,25 +247,6 @@ impl<'a> ContactMotion<'a> {
             most += mode.rows[contact][0].abs() * first.max(last);
         }
         most
-    }
-}
-
-/// A bound of the length of a mode's state, or of its derivative of some order, in a flight of length `left`.
-pub(super) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f64 {
-    let ModeFlow { turn, decay, rate } = flow;
-    let size = if turn == Turn::Circular {
-        // There the generator turns and stretches.
-        (0..order).fold(length(state), |size, _| size * length([decay, rate]))
-    } else {
-        let generator = Turned { even: -decay, odd: rate };
-        length((0..order).fold(state, |xi, _| turn.act(generator, xi)))
-    };
-    let dying = if decay < 0.0 { (-decay * left).exp() } else { 1.0 };
-    match turn {
-        Turn::Circular => size * dying,
-        // Along either pole.
-        Turn::Hyperbolic => size * ((rate - decay) * left).exp().max(1.0) * std::f64::consts::SQRT_2,
-        Turn::Parabolic => size * dying * (1.0 + rate * left),
     }
 }
 

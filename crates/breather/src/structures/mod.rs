@@ -25,8 +25,6 @@
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
 //! | `flight` | [`ContactMotion`]: every contact at any time |
-//! | `view` | what contacts see of flights |
-//! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
 //! | `map_orbit` | what a map asks of orbits in closed form |
 //! | `branch` | [`Branch`]: orbits as a number of the structure varies |
@@ -55,5 +53,3 @@ pub(crate) mod reversible;
 pub(crate) mod search;
 #[cfg(test)]
 mod tests;
-mod view;
-mod windows;

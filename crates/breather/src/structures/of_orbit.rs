@@ -13,6 +13,7 @@ use super::orbit::ContactOrbit;
 use super::point::Strike;
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
+use crate::motion::Motion;
 use crate::orbit::{Family, Hit, Impact, LatticeOrbit, Of, Orbit};
 
 /// An impact is half a period after the first one where it misses that by no more than this part of it: rounding of what was solved for.
@@ -156,7 +157,7 @@ impl Orbit {
         let (lattice, hits) = (self.lattice()?.model(), self.hits());
         let model = LoadedStructure::of_masses(lattice, &self.hit_sites(), stop)?;
         let near = ContactOrbit::near(&model, self.force_periods(), self.psi_or_zero(), &hits)?;
-        near.to_lattice_orbit(lattice, self.family())
+        near.to_lattice_orbit(lattice, self.family(), None)
     }
 
     /// That one, where less is left of its equations.
@@ -220,15 +221,15 @@ impl ContactOrbit {
     pub fn of_all_masses(&self) -> Option<Result<Orbit, BreatherError>> {
         let Masses { lattice, .. } = self.model().masses()?;
         let known = self.has_bounds().then(|| Arc::new(self.clone()));
-        Some(self.in_lattice(lattice).map(|orbit| orbit.known_as(known)))
+        Some(self.in_lattice(lattice, None).map(|orbit| orbit.known_as(known)))
     }
 
     /// As an orbit of a lattice, given by its impacts, half a period after the first one where they are but for rounding.
-    fn in_lattice(&self, lattice: &Model) -> Result<Orbit, BreatherError> {
+    fn in_lattice(&self, lattice: &Model, room: Option<&mut Motion>) -> Result<Orbit, BreatherError> {
         let (mut hits, half) = (self.hits(), 0.5 * self.period());
         let near = |hit: &&mut Hit| (hit.time - half).abs() <= HALF * half;
         hits.iter_mut().filter(near).for_each(|hit| hit.time = half);
-        Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits)
+        Orbit::from_impulses_in(room, lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits)
     }
 
     /// The number of the impact that an orbit of this family begins with: of a doubled orbit of the paper, the impact before the longer flight.
@@ -256,7 +257,7 @@ impl ContactOrbit {
     /// [`BreatherError`] at a resonance.
     pub fn to_orbit(&self, family: Family) -> Result<Orbit, BreatherError> {
         match self.model().masses() {
-            Some(Masses { lattice, .. }) => self.to_lattice_orbit(lattice, family),
+            Some(Masses { lattice, .. }) => self.to_lattice_orbit(lattice, family, None),
             None => Ok(Orbit::of_structure(Arc::new(self.clone()))),
         }
     }
@@ -266,20 +267,30 @@ impl ContactOrbit {
     /// # Errors
     /// As [`ContactOrbit::to_orbit`].
     pub fn into_orbit(self, family: Family) -> Result<Orbit, BreatherError> {
+        self.into_orbit_in(None, family)
+    }
+
+    /// The same in the room of a motion, which is left holding an orbit of a lattice.
+    pub(crate) fn into_orbit_in(self, room: Option<&mut Motion>, family: Family) -> Result<Orbit, BreatherError> {
         match self.model().masses() {
             Some(Masses { lattice, .. }) => match self.first_of(family) {
-                0 => Ok(self.to_lattice_orbit(lattice, family)?.known_as(Some(Arc::new(self)))),
-                first => self.begun_with(first)?.into_orbit(family),
+                0 => Ok(self.to_lattice_orbit(lattice, family, room)?.known_as(Some(Arc::new(self)))),
+                first => self.begun_with(first)?.into_orbit_in(room, family),
             },
             None => Ok(Orbit::of_structure(Arc::new(self))),
         }
     }
 
     /// The same as an orbit of a lattice, of this family as long as its impacts are those of the family.
-    pub(crate) fn to_lattice_orbit(&self, lattice: &Model, family: Family) -> Result<Orbit, BreatherError> {
+    fn to_lattice_orbit(
+        &self,
+        lattice: &Model,
+        family: Family,
+        room: Option<&mut Motion>,
+    ) -> Result<Orbit, BreatherError> {
         let mut orbit = match self.first_of(family) {
-            0 => self.in_lattice(lattice)?,
-            first => self.begun_with(first)?.in_lattice(lattice)?,
+            0 => self.in_lattice(lattice, room)?,
+            first => self.begun_with(first)?.in_lattice(lattice, room)?,
         };
         orbit.family = match (family, orbit.impacts().len(), self.force_periods(), orbit.impact_site()) {
             (_, _, _, None) => Family::Word,

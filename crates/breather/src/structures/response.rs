@@ -9,8 +9,8 @@ use vibrochain_lattice::{
 };
 
 use super::periodic_kernel::{PeriodicKernel, UNIT, length};
-use super::view::View;
 use crate::admissible::grid::diagonals::Diagonals;
+use crate::motion::modal::view::View;
 
 type C = Complex<f64>;
 

@@ -62,6 +62,11 @@ impl ModeFlow {
         };
         Self { turn, decay, rate }
     }
+
+    /// The same with time counted in a unit.
+    pub fn counted_in(self, unit: f64) -> Self {
+        Self { turn: self.turn, decay: self.decay * unit, rate: self.rate * unit }
+    }
 }
 
 impl Turn {

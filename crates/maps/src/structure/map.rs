@@ -145,7 +145,7 @@ fn in_closed_form(
     analyser: &mut Analyser,
 ) -> Option<StructureCell> {
     let mut cell = StructureCell::EMPTY;
-    let mut best: Option<(f64, Standing)> = None;
+    let mut best: Option<(Option<f64>, Standing)> = None;
     let mut way = None;
     for (number, (word, periods)) in scene.words.iter().enumerate() {
         let orbit = match finder.map_orbit(model, word, *periods) {
@@ -173,7 +173,7 @@ fn in_closed_form(
         }
     }
     Some(match best {
-        Some((margin, standing)) => told(scene, cell, (Some(margin), standing)),
+        Some((margin, standing)) => told(scene, cell, (margin, standing)),
         None => absent(cell, way),
     })
 }

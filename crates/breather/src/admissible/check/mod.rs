@@ -3,39 +3,43 @@
 //! Symmetry halves the work twice: masses n and M − n about a single impacted site, and a conservative orbit's mirror image
 //! in time. Then one of two ways:
 //!
-//! - a conservative breather's half period, unless it is long or the ring is, by values on a grid and each mass's own bounds
-//!   between its nodes (`on_grid`);
-//! - everything else by windows of one radian of the fastest motion, in which the motion of every mass is a polynomial, exact
-//!   to rounding, with bounds of its own (`by_windows`): far masses of a forced ring move little, however close to a barrier the
-//!   force has them all swing.
+//! - flights without dashpots between impacts of one site of a ring, unless they are long or the ring is, by values on a grid and each mass's own
+//!   bounds between its nodes (`on_grid`);
+//! - everything else by windows of one radian of the fastest motion, in which whatever is watched is a polynomial, exact
+//!   to rounding: masses by local series, with bounds of their own (`local`) - far masses of a forced ring move little, however close
+//!   to a barrier the force has them all swing -, contacts of any other structure from its modes (`modal`).
 //!
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
 
-mod by_windows;
+mod local;
+mod modal;
 pub(crate) mod on_grid;
+pub(crate) mod search;
 
 use vibrochain_lattice::simd::lanes::Lane;
 use vibrochain_lattice::{DistinctMasses, Model, Stop};
 
-use crate::admissible::answer::{Admissibility, Approach, Obstruction};
+use crate::admissible::answer::Admissibility;
 use crate::admissible::gap::{Closest, Depth, Gap};
 use crate::admissible::grid::{Flight, Forces, MOST_MODES};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::window::Window;
-use crate::orbit::{LatticeOrbit, Orbit, Reflection};
+use crate::orbit::{LatticeOrbit, Orbit, Reflection, SIMULTANEOUS};
+use local::Stretch;
 use on_grid::{Ends, OnGrid, Watched};
+use search::{Lists, Search, wrong_sign};
 
 /// Work space of the check.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Watch {
     watched: DistinctMasses,
     window: Window,
+    lists: Lists,
     pub(crate) on_grid: OnGrid,
     /// Displacements and velocities of the modes at the start of the flight that the grid takes over.
     start: [Vec<Lane>; 2],
-    pending: Vec<(f64, f64)>,
     pub(crate) stop: Stop,
 }
 
@@ -47,11 +51,8 @@ impl Watch {
         motion: &mut Motion,
         depth: Depth,
     ) -> Result<Admissibility, BreatherError> {
-        if let Some((impact, wrong)) = orbit.impacts().iter().enumerate().find(|(_, impact)| !impact.is_right_signed())
-        {
-            let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
-            let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
-            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+        if let Some(wrong) = wrong_sign(orbit.impacts()) {
+            return Ok(Admissibility::barred(wrong));
         }
         let reflection = orbit.reflection();
         let delayed = reflection.is_some_and(|reflection| reflection.delayed);
@@ -63,36 +64,59 @@ impl Watch {
         };
         let mirror = reflection.filter(|_| !delayed).map(|reflection| reflection.mirror);
         self.watched.reset(orbit.model().chain(), mirror);
-        let mut closest = Closest::NONE;
-        let mut start = std::mem::take(&mut self.start);
-        let few = orbit.model().chain().even_modes() <= MOST_MODES;
-        let gridded = few && orbit.is_reversible() && orbit.centre().is_some();
-        let flight = gridded.then(|| motion.flight(&mut start));
-        let asymmetry = orbit.model().asymmetry();
-        let forces = Forces::of_ring(orbit.model().chain(), &self.watched);
-        match flight.filter(|flight| self.on_grid.grid.set(*flight, forces, horizon)) {
-            Some(flight) => {
-                let ends = Ends { one: orbit.impacts().len() == 1, turning: true };
-                let watched = Watched { flight, forces, sites: self.watched.sites(), ends };
-                self.on_grid.closest(watched, |_| Gap::around(asymmetry), depth, &mut closest);
-            }
-            None => self.by_windows(orbit, motion, depth, horizon, &mut closest)?,
-        }
-        self.start = start;
-        let (barrier, time) = (closest.barrier, closest.time);
+        let mut closest = self.by_flights(orbit, motion, depth, horizon, true)?;
         // Of two masses that move alike the first one.
-        let image = mirror
-            .filter(|_| orbit.impact_site().is_none())
-            .map(|mirror| Reflection { mirror, delayed }.image(closest.site, orbit.model().chain().sites()));
-        let site = image.map_or(closest.site, |image| image.min(closest.site));
-        // From 0, so that a touch is 0 beyond its barrier and not −0.
-        let crossing = Obstruction::Crossing { site, barrier, time, excess: 0.0 - closest.distance };
-        let found = closest.distance.is_finite();
-        Ok(Admissibility {
-            margin: found.then_some(closest.distance),
-            obstruction: (closest.distance <= 0.0).then_some(crossing),
-            closest: found.then_some(Approach { site, barrier, time }),
-        })
+        if let Some(mirror) = mirror.filter(|_| orbit.impact_site().is_none()) {
+            let image = Reflection { mirror, delayed }.image(closest.site, orbit.model().chain().sites());
+            closest.site = image.min(closest.site);
+        }
+        Ok(Admissibility::of(closest, orbit.period()))
+    }
+
+    /// The closest approach of the watched masses as far as `horizon`, flight by flight: where the grid may be taken and is short, on that.
+    fn by_flights(
+        &mut self,
+        orbit: LatticeOrbit<'_>,
+        motion: &mut Motion,
+        depth: Depth,
+        horizon: f64,
+        on_grid: bool,
+    ) -> Result<Closest, BreatherError> {
+        let Self { watched, window, on_grid: by_nodes, start, lists, stop } = self;
+        let (model, a) = (orbit.model(), orbit.model().asymmetry());
+        let stops = |_| [Some(a - 1.0), Some(a + 1.0)];
+        let mut search = Search::new((orbit.impacts(), orbit.period()), &stops, depth, stop, lists);
+        let is_few = model.chain().even_modes() <= MOST_MODES && orbit.centre().is_some() && !model.is_damped();
+        let forces = Forces::of_ring(model.chain(), watched);
+        let is_half = orbit.is_reversible() && horizon == 0.5 * orbit.period();
+        let mut is_laid = false;
+        for interval in 0..motion.intervals() {
+            let (begins, length) = motion.interval(interval);
+            if begins >= horizon || search.is_decided() {
+                break;
+            }
+            let whole = length.min(horizon - begins);
+            if whole <= SIMULTANEOUS * orbit.period() {
+                continue;
+            }
+            let turns = is_half && begins + whole >= horizon;
+            if on_grid && is_few {
+                let flight = motion.flight(interval, start);
+                if by_nodes.grid.set(flight, forces, whole) {
+                    let ends = Ends { one: orbit.impacts().len() == 1, turning: turns };
+                    let watched = Watched { flight, forces, sites: watched.sites(), ends, begins };
+                    by_nodes.closest(watched, |_| Gap::around(a), depth, &mut search.closest);
+                    continue;
+                }
+            }
+            if !std::mem::replace(&mut is_laid, true) {
+                local::lay(window, motion, horizon)?;
+            }
+            let goes_on = orbit.is_reversible() && !is_half;
+            let stretch = Stretch { interval, begins, whole, goes_on, turns };
+            search.by_series(orbit, motion, (watched, window), stretch)?;
+        }
+        Ok(search.closest)
     }
 
     /// The smallest distance that masses keep from their barriers, or 0 or less where one of them does not, on the flight from the first
@@ -104,7 +128,8 @@ impl Watch {
             return None;
         }
         let mut closest = Closest::NONE;
-        let watched = Watched { flight, forces, sites: self.watched.sites(), ends: Ends { one, turning: true } };
+        let watched =
+            Watched { flight, forces, sites: self.watched.sites(), ends: Ends { one, turning: true }, begins: 0.0 };
         self.on_grid.closest(watched, |_| Gap::around(model.asymmetry()), Depth::First, &mut closest);
         Some(closest.distance).filter(|distance| distance.is_finite())
     }
@@ -130,7 +155,7 @@ pub(crate) fn check(orbit: &Orbit, depth: Depth) -> Result<Admissibility, Breath
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::Chain;
+    use vibrochain_lattice::{Chain, Force, Harmonic, Point};
 
     use super::*;
     use crate::orbit::Family;
@@ -167,18 +192,18 @@ mod tests {
             let horizon = 0.5 * orbit.period();
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             let mut start = Default::default();
-            let flight = motion.flight(&mut start);
+            let flight = motion.flight(0, &mut start);
             let forces = Forces::of_ring(orbit.model().chain(), &watch.watched);
             if !watch.on_grid.grid.set(flight, forces, horizon) {
                 return;
             }
             let gap = Gap::around(orbit.model().asymmetry());
             let ends = Ends { one: orbit.impacts().len() == 1, turning: true };
-            let watched = Watched { flight, forces, sites: watch.watched.sites(), ends };
-            let [mut grid, mut first, mut windows] = [Closest::NONE; 3];
+            let watched = Watched { flight, forces, sites: watch.watched.sites(), ends, begins: 0.0 };
+            let [mut grid, mut first] = [Closest::NONE; 2];
             watch.on_grid.closest(watched, |_| gap, Depth::Worst, &mut grid);
             watch.on_grid.closest(watched, |_| gap, Depth::First, &mut first);
-            watch.by_windows(orbit, motion, Depth::Worst, horizon, &mut windows).unwrap();
+            let windows = watch.by_flights(orbit, motion, Depth::Worst, horizon, false).unwrap();
             let size = motion.states_bound().max(1.0);
             let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
             assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
@@ -194,6 +219,68 @@ mod tests {
             physical += usize::from(grid.distance > 0.0);
         });
         assert!(compared > 1000 && physical > 200 && physical < compared - 200, "{compared} {physical}");
+    }
+
+    /// Under a force, of one harmonic and of two: flights from impact to impact, on the grid with bounds that hold, and by local series.
+    #[test]
+    fn forced_flights_on_the_grid_are_those_of_windows() {
+        let mut random = fastrand::Rng::with_seed(31);
+        let (mut finder, mut found, mut watch) = (Finder::new(1), OrbitList::default(), Watch::default());
+        let (mut seen, mut bounded) = ([[0; 2]; 2], 0);
+        for case in 0..1200 {
+            let sites = [1, 2, 5, 6, 11, 21, 40][random.usize(0..7)];
+            let chain = Chain::new(sites, [0.0, 0.2, 1.0][random.usize(0..3)], 0.4 * random.f64()).unwrap();
+            let (omega, a) = (0.5 + 3.0 * random.f64(), 0.9 * random.f64());
+            let second = if case % 2 == 0 { 0.0 } else { 0.3 * random.f64() };
+            let harmonics = [(1, 0.5 * random.f64()), (3, second)];
+            let harmonics = harmonics.map(|(number, amplitude)| Harmonic { number, amplitude, phase: random.f64() });
+            let force = Force::new(&harmonics[..1 + case % 2]).unwrap();
+            let point = Point::ring(sites).on(&chain).under(&force).omega(omega).asymmetry(a);
+            let Ok(model) = point.restitution(0.5 + 0.5 * random.f64()).model() else { continue };
+            for family in [Family::DoubleSided, Family::SingleSided] {
+                if finder.find(&model, family, &mut found).is_err() {
+                    continue;
+                }
+                for orbit in &found.orbits {
+                    let orbit = orbit.lattice().unwrap();
+                    if !orbit.impacts().iter().all(|impact| impact.is_right_signed() && impact.impulse.abs() < 1e3) {
+                        continue;
+                    }
+                    let (mut motion, horizon) = (Motion::of(&orbit).unwrap(), orbit.period());
+                    watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
+                    let mut by = |grid| watch.by_flights(orbit, &mut motion, Depth::Worst, horizon, grid).unwrap();
+                    let [grid, windows] = [true, false].map(&mut by);
+                    let size = motion.states_bound().max(1.0);
+                    let same =
+                        (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
+                    assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
+                    seen[usize::from(case % 2 == 1)][usize::from(grid.distance > 0.0)] += 1;
+                    let copy = motion.clone();
+                    let mut start = Default::default();
+                    let (begins, length) = copy.interval(0);
+                    let flight = copy.flight(0, &mut start);
+                    let forces = Forces::of_ring(orbit.model().chain(), &watch.watched);
+                    let grid = &mut watch.on_grid.grid;
+                    assert_eq!(begins, 0.0);
+                    if !grid.set(flight, forces, length) {
+                        continue;
+                    }
+                    let gap = Gap::around(a);
+                    for part in 0..20 {
+                        motion.seek(0, length * (f64::from(part) + 0.5) / 20.0);
+                        for (i, &site) in watch.watched.sites().iter().enumerate().take(4) {
+                            let now = motion.site(site);
+                            let scale = size * motion.top_frequency().powi(2).max(1.0);
+                            assert!(now.acceleration.abs() <= grid.second(i) + 1e-12 * scale, "{site} {now:?}");
+                            let left = gap.distance(now.displacement);
+                            assert!(grid.reaches(|_| gap)[i] <= left + 1e-13 * size, "{site} {now:?}");
+                            bounded += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert!(seen.as_flattened().iter().all(|&count| count > 30) && bounded > 20_000, "{seen:?} {bounded}");
     }
 
     /// Pairs and larger words in phase, in turns and without symmetry: half the ring, or a quarter of the period, tells what all
@@ -230,10 +317,9 @@ mod tests {
                 let kind = orbit.reflection().map_or(0, |reflection| 1 + usize::from(reflection.delayed));
                 let told = finder.admissibility(&orbit).unwrap();
                 let mut motion = Motion::of(&orbit).unwrap();
-                let mut all = Closest::NONE;
                 watch.watched.reset(orbit.model().chain(), None);
                 let horizon = orbit.period() * if orbit.is_reversible() { 0.5 } else { 1.0 };
-                watch.by_windows(orbit, &mut motion, Depth::Worst, horizon, &mut all).unwrap();
+                let all = watch.by_flights(orbit, &mut motion, Depth::Worst, horizon, false).unwrap();
                 let (size, margin) = (motion.states_bound().max(1.0), told.margin.unwrap());
                 assert!((margin - all.distance).abs() < 1e-13 * size, "{word} {margin} {} {orbit:?}", all.distance);
                 let closest = told.closest.unwrap();
@@ -268,7 +354,7 @@ mod tests {
             let horizon = 0.5 * orbit.period();
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             let (mut start, copy) = (Default::default(), motion.clone());
-            let flight = copy.flight(&mut start);
+            let flight = copy.flight(0, &mut start);
             let forces = Forces::of_ring(orbit.model().chain(), &watch.watched);
             let grid = &mut watch.on_grid.grid;
             if checked > 60_000 || !grid.set(flight, forces, horizon) {

@@ -34,6 +34,8 @@ pub(crate) struct Watched<'a> {
     /// Numbers of the masses.
     pub(crate) sites: &'a [usize],
     pub(crate) ends: Ends,
+    /// When it begins.
+    pub(crate) begins: f64,
 }
 
 /// A grid of the flight, and work space.
@@ -91,7 +93,7 @@ impl OnGrid {
         }
         let Self { grid, near, column, pending, around } = self;
         *around = None;
-        let Watched { flight, forces, sites, .. } = watched;
+        let Watched { flight, forces, sites, begins, .. } = watched;
         let last = grid.intervals();
         near.clear();
         let far = |mass: usize| closest.distance - RESOLUTION * gap(mass).half;
@@ -103,7 +105,7 @@ impl OnGrid {
             let mut value = grid.value(number);
             for interval in 0..last {
                 let here = std::mem::replace(&mut value, grid.value((interval + 1) * grid.stride() + number));
-                let time = || interval as f64 * grid.step();
+                let time = || begins + interval as f64 * grid.step();
                 // Where it is not hit, any place counts; the ends are noted.
                 let distance = mass.gap.distance(here);
                 if number > 0 && distance < closest.distance {
@@ -152,12 +154,12 @@ impl OnGrid {
 
     /// Takes note of masses at both ends, where they are not hit.
     fn at_ends(&self, watched: Watched<'_>, gap: impl Fn(usize) -> Gap, closest: &mut Closest) {
-        let Watched { sites, ends, .. } = watched;
+        let Watched { sites, ends, begins, .. } = watched;
         for (end, node) in [0, self.grid.intervals()].into_iter().enumerate() {
             let hit = usize::from(!ends.turns(0)[end]);
             for (mass, &value) in self.grid.node(node).iter().enumerate().take(sites.len()).skip(hit) {
                 if gap(mass).distance(value) < closest.distance {
-                    closest.note(gap(mass), sites[mass], node as f64 * self.grid.step(), value);
+                    closest.note(gap(mass), sites[mass], begins + node as f64 * self.grid.step(), value);
                 }
             }
         }
@@ -168,7 +170,7 @@ impl OnGrid {
 fn turn(
     grid: &mut Grid,
     (pending, around): (&mut Vec<(f64, f64)>, &mut Around),
-    Watched { forces, sites, ends, .. }: Watched<'_>,
+    Watched { forces, sites, ends, begins, .. }: Watched<'_>,
     (&Mass { number, shapes, gap, resolution, .. }, interval): (&Mass<'_>, usize),
     closest: &mut Closest,
 ) {
@@ -184,7 +186,7 @@ fn turn(
     };
     let so_far = closest.distance / gap.half;
     let mut note = |s: f64, displacement: f64| {
-        closest.note(gap, sites[number], (node as f64 + s) * step, displacement * gap.half);
+        closest.note(gap, sites[number], begins + (node as f64 + s) * step, displacement * gap.half);
         closest.distance / gap.half
     };
     let from = interval as f64 - node as f64;

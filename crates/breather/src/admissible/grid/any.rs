@@ -114,7 +114,13 @@ mod tests {
             }
             let frequencies: Vec<f64> = modal.modes().iter().map(|mode| mode.rate).collect();
             let fastest = frequencies.iter().fold(0.0, |most: f64, rate| most.max(*rate));
-            let flight = Flight { frequencies: &frequencies, fastest, shapes: &shapes, start: [&start[0], &start[1]] };
+            let flight = Flight {
+                frequencies: &frequencies,
+                fastest,
+                shapes: &shapes,
+                start: [&start[0], &start[1]],
+                driven: None,
+            };
             let by_pulls = usize::from(case % 2 == 0);
             let forces = Forces::Any((by_pulls == 1).then_some(&pulls));
             let horizon = random.f64() * 12.0 / fastest;

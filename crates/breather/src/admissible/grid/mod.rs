@@ -1,8 +1,8 @@
-//! The quick look at a flight without loads and losses between impacts of one contact: all masses, or contacts of a structure, on a grid of times,
+//! The quick look at a flight without losses between impacts of one contact: all masses, or contacts of a structure, on a grid of times,
 //! and bounds on what they can do in between.
 //!
 //! Half a period of one site's breather is one stretch of linear flight, in which every derivative obeys the equation of
-//! motion, too. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
+//! motion, too; so is what lies between two impacts of a forced one, if the uniform motion under the force is added. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
 //! ends by more than B₂h²/8, and has no turning point if these are more than B₂h²/2 apart; its velocity leaves the straight line between
 //! its values at the ends by no more than B₃h²/8, and its tangent by B₃s²/2. The bounds are each mass's own, from accelerations at the nodes and
 //!
@@ -18,11 +18,11 @@ mod any;
 pub(crate) mod diagonals;
 
 use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, fill, groups};
-use vibrochain_lattice::{Chain, DistinctMasses};
+use vibrochain_lattice::{Chain, DistinctMasses, Wave};
 use wide::f64x4;
 
 use crate::admissible::gap::Gap;
-use crate::motion::polynomial::Polynomial;
+use crate::motion::polynomial::{ORDER, Polynomial, taylor};
 use diagonals::Diagonals;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
@@ -60,12 +60,19 @@ pub(crate) struct Flight<'a> {
     pub(crate) shapes: &'a [Lane],
     /// Displacements and velocities at its start, weights included, in groups of four.
     pub(crate) start: [&'a [Lane]; 2],
+    /// What a force adds to all masses of a ring, and its time at the start.
+    pub(crate) driven: Option<(&'a Wave, f64)>,
 }
 
 impl<'a> Flight<'a> {
     /// Of half a ring that is hit at its first mass.
     pub(crate) fn of_ring(frequencies: &'a [f64], shapes: &'a [Lane], start: [&'a [Lane]; 2]) -> Self {
-        Self { frequencies, fastest: frequencies.last().copied().unwrap_or_default(), shapes, start }
+        Self { frequencies, fastest: frequencies.last().copied().unwrap_or_default(), shapes, start, driven: None }
+    }
+
+    /// The same with a uniform motion under a force, whose time is given at its start.
+    pub(crate) fn driven(self, wave: &'a Wave, time: f64) -> Self {
+        Self { fastest: self.fastest.max(wave.top_rate()), driven: Some((wave, time)), ..self }
     }
 }
 
@@ -111,6 +118,9 @@ pub(crate) struct Grid {
     scratch: Vec<[f64x4; 2]>,
     /// Numbers of all contacts between as many zeros.
     between: Vec<f64>,
+    /// The motion under the force around each node, in units of an interval, and bounds of its |v̈| and |v⃜|; nothing without it.
+    driven: Vec<[f64; ORDER]>,
+    driven_at_most: [f64; 2],
 }
 
 impl Grid {
@@ -147,6 +157,12 @@ impl Grid {
         self.frequencies.clear();
         self.frequencies.resize(self.mode_groups, [0.0; LANES]);
         self.frequencies.as_flattened_mut().iter_mut().zip(frequencies).for_each(|(slot, value)| *slot = *value);
+        self.driven.clear();
+        self.driven_at_most = [0.0; 2];
+        if let Some((wave, begins)) = flight.driven {
+            self.driven.extend((0..nodes).map(|node| taylor(wave, begins + node as f64 * self.step, self.step)));
+            self.driven_at_most = [2, 4].map(|order| wave.bound(order));
+        }
         let (stiffnesses, watched) = match forces {
             Forces::Ring { stiffnesses, watched } => (stiffnesses, watched),
             Forces::Any(pulls) => {
@@ -207,11 +223,23 @@ impl Grid {
         }
         let infinite = f64x4::splat(f64::INFINITY);
         let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
-        for (value, acceleration) in rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations)) {
+        let rows = rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations));
+        let per_square = 2.0 / (self.step * self.step);
+        for (node, (value, acceleration)) in rows.enumerate() {
+            // What obeys the equation of motion without the force bounds the rest of it.
+            for i in 0..G {
+                top[i] = top[i].fast_max(f64x4::from(acceleration[i]).abs());
+            }
+            if let Some(driven) = self.driven.get(node) {
+                let [place, pull] = [driven[0], driven[2] * per_square].map(f64x4::splat);
+                for i in 0..G {
+                    value[i] = (f64x4::from(value[i]) + place).to_array();
+                    acceleration[i] = (f64x4::from(acceleration[i]) + pull).to_array();
+                }
+            }
             for i in 0..G {
                 let v = f64x4::from(value[i]);
                 (low[i], high[i]) = (low[i].fast_min(v), high[i].fast_max(v));
-                top[i] = top[i].fast_max(f64x4::from(acceleration[i]).abs());
             }
         }
         for (i, extremes) in self.extremes.iter_mut().enumerate().take(G) {
@@ -260,7 +288,7 @@ impl Grid {
         }
         let scale = 1.0 / (1.0 - c1 - 5.0 * c2);
         for (second, beyond) in self.seconds.iter_mut().zip(self.beyond.iter().rev()) {
-            *second = scale * (images * *second + beyond);
+            *second = scale * (images * *second + beyond) + self.driven_at_most[0];
         }
         true
     }
@@ -326,7 +354,7 @@ impl Grid {
     pub(crate) fn fourth(&self, forces: Forces<'_>, mass: usize) -> f64 {
         let Forces::Ring { stiffnesses: (gamma1, gamma2), watched } = forces else { return self.fourths[mass] };
         let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
-        (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides
+        (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides + self.driven_at_most[1]
     }
 
     /// The shapes of a mass, into `column` where they have to be gathered: of a ring cos(2πkn/M) is symmetric in k and n.
@@ -354,8 +382,10 @@ impl Grid {
         (fourth, resolution): (f64, f64),
         known: [bool; 2],
     ) -> bool {
-        let [first, last] =
-            [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.mode_groups..]));
+        let [first, last] = [interval, interval + 1].map(|node| {
+            let driven = self.driven.get(node).map_or(0.0, |driven| driven[1] / self.step);
+            dot(shapes, &self.velocities[node * self.mode_groups..]) + driven
+        });
         let (place, accelerations) = (interval * self.stride() + mass, self.accelerations.as_flattened());
         let (before, after) = (accelerations[place], accelerations[place + self.stride()]);
         // The third derivative is within B₄h of its mean.
@@ -380,7 +410,11 @@ impl Grid {
             let shape = f64x4::from(*shape);
             [shape * f64x4::from(*u), shape * f64x4::from(*w) * step]
         }));
-        Polynomial::of_swings(&mut self.scratch, &self.frequencies, step)
+        let mut polynomial = Polynomial::of_swings(&mut self.scratch, &self.frequencies, step);
+        if let Some(driven) = self.driven.get(node) {
+            polynomial.coefficients.iter_mut().zip(driven).for_each(|(own, driven)| *own += driven);
+        }
+        polynomial
     }
 }
 

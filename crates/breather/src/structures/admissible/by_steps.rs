@@ -5,10 +5,11 @@ use std::convert::Infallible;
 
 use vibrochain_lattice::Barrier;
 
-use super::Search;
+use crate::admissible::check::search::Search;
 use crate::error::BreatherError;
 use crate::roots::bracket::zero;
 use crate::structures::flight::ContactMotion;
+use crate::structures::orbit::ContactOrbit;
 
 /// Distances below this part of a contact's reach are a touch.
 const TOUCH: f64 = 1e-13;
@@ -104,28 +105,30 @@ impl Watch<'_> {
     }
 }
 
-impl Search<'_> {
-    /// By bounds alone, step by step.
-    pub(super) fn by_steps(&mut self, order: &[usize], i: usize) -> Result<(), BreatherError> {
-        let begins = self.orbit.impacts()[i].time;
-        let structure = self.orbit.model().structure().clone();
-        let length = self.motion.until_next(i);
-        for &contact in order {
-            let stops = &structure.contacts()[contact];
-            for barrier in [Barrier::Lower, Barrier::Upper] {
-                let Some(stop) = stops.barrier(barrier) else { continue };
-                if self.is_decided() {
-                    continue;
-                }
-                let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
-                let watch = Watch { motion: self.motion, contact, barrier, stop, i, length, touch };
-                let leaves = self.impact_at(contact, barrier, begins).map(|impact| self.clear[impact]);
-                let arrives = self.impact_at(contact, barrier, begins + length).is_some();
-                if let Some((least, s)) = watch.least(leaves, arrives)? {
-                    self.note(least, (contact, barrier), begins + s);
-                }
+/// Looks at the flight after impact `i` by bounds alone, step by step.
+pub(super) fn search(
+    search: &mut Search<'_>,
+    orbit: &ContactOrbit,
+    motion: &ContactMotion<'_>,
+    order: &[usize],
+    i: usize,
+) -> Result<(), BreatherError> {
+    let (begins, length) = (orbit.impacts()[i].time, motion.until_next(i));
+    for &contact in order {
+        let stops = &orbit.model().structure().contacts()[contact];
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            let Some(stop) = stops.barrier(barrier) else { continue };
+            if search.is_decided() {
+                continue;
+            }
+            let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
+            let watch = Watch { motion, contact, barrier, stop, i, length, touch };
+            let leaves = search.clear_after(contact, barrier, begins);
+            let arrives = search.clear_after(contact, barrier, begins + length).is_some();
+            if let Some((least, s)) = watch.least(leaves, arrives)? {
+                search.note(least, (contact, barrier), begins + s);
             }
         }
-        Ok(())
     }
+    Ok(())
 }

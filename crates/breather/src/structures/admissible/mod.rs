@@ -1,25 +1,21 @@
 //! Is an orbit of a structure physical? Every contact must stay inside its barriers between its impacts: decided by bounds, not samples.
 //!
-//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`by_windows`), as a chain's masses are. Otherwise
+//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`check/modal`), as masses of a lattice are. Otherwise
 //! bounds of the acceleration lead from step to step (`by_steps`).
 
 mod by_steps;
-mod by_windows;
-pub(super) mod passage;
 mod release;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::Barrier;
-use vibrochain_lattice::simd::lanes::Lane;
 
 use super::flight::ContactMotion;
 use super::orbit::ContactOrbit;
-use super::windows::Windows;
-use crate::admissible::answer::{Admissibility, Approach, Obstruction};
+use crate::admissible::answer::{Admissibility, Obstruction};
 use crate::admissible::check::check as check_masses;
+use crate::admissible::check::search::{Lists, Search, wrong_sign};
 use crate::admissible::gap::Depth;
 use crate::error::BreatherError;
-use crate::orbit::{Impact, time_between};
+use crate::motion::modal::windows::{Room, Windows};
 use release::{Release, TOGETHER};
 
 impl ContactOrbit {
@@ -50,16 +46,8 @@ fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherEr
         return check_masses(&orbit?, depth);
     }
     let impacts = orbit.impacts();
-    for (number, impact) in impacts.iter().enumerate() {
-        if impact.barrier.sign() * impact.velocity_before <= 0.0 {
-            let obstruction = Obstruction::WrongSign {
-                impact: number,
-                site: impact.site,
-                time: impact.time,
-                velocity_before: impact.velocity_before,
-            };
-            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
-        }
+    if let Some(wrong) = wrong_sign(impacts) {
+        return Ok(Admissibility::barred(wrong));
     }
     let motion = ContactMotion::new(orbit)?;
     let mut clear = SmallVec::new();
@@ -68,82 +56,43 @@ fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherEr
             Release::Leaves(time) => clear.push(time),
             Release::Rests(acceleration_after) => {
                 let (site, time) = (impact.site, impact.time);
-                let obstruction = Obstruction::Sticking { impact: number, site, time, acceleration_after };
-                return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+                return Ok(Admissibility::barred(Obstruction::Sticking {
+                    impact: number,
+                    site,
+                    time,
+                    acceleration_after,
+                }));
             }
         }
     }
-    let (pending, rows) = (Vec::new(), Vec::new());
-    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, rows, depth };
-    let (order, view) = &*motion.response().view(orbit.model().structure().contacts());
+    let contacts = orbit.model().structure().contacts();
+    let stops = |contact: usize| [contacts[contact].lower, contacts[contact].upper];
+    let mut lists = Lists::default();
+    let search = Search::new((impacts, orbit.period()), &stops, depth, orbit.model().stop(), &mut lists);
+    let mut search = search.of_contacts(clear);
+    let (order, view) = &*motion.response().view(contacts);
+    let mut room = Room::default();
     // What contacts do in one half of the period they do in the other, backwards.
     let is_mirrored = orbit.is_reversible();
-    for i in 0..impacts.len() {
-        if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
+    for (i, impact) in impacts.iter().enumerate() {
+        if motion.until_next(i) <= TOGETHER * orbit.period() {
             continue;
         }
-        if i > 0 && is_mirrored {
+        if search.is_decided() || i > 0 && is_mirrored {
             break;
         }
         let half = if is_mirrored && impacts.len() == 1 { 0.5 } else { 1.0 };
         let whole = half * motion.until_next(i);
-        match view.as_ref().and_then(|view| Windows::new(view, &motion, i, whole)) {
-            Some(mut windows) => search.by_windows(&mut windows, order, i)?,
-            None => search.by_steps(order, i)?,
+        let windows = view.as_ref().and_then(|view| {
+            let begin = |both: [&mut [f64]; 2]| motion.begin(view, i, both);
+            Windows::new(view, begin, (whole, false), &mut room)
+        });
+        match windows {
+            Some(mut windows) => search.by_modes(&mut windows, order, impact.time)?,
+            None => by_steps::search(&mut search, orbit, &motion, order, i)?,
         }
     }
-    let mut closest = search.closest;
-    if let Some((_, approach)) = &mut closest {
-        approach.time = approach.time.rem_euclid(orbit.period());
-    }
-    let obstruction = closest.as_ref().filter(|(least, _)| *least <= 0.0).map(|(least, approach)| {
-        Obstruction::Crossing { site: approach.site, barrier: approach.barrier, time: approach.time, excess: -least }
-    });
-    let (margin, closest) = match closest {
-        Some((least, approach)) => (Some(least), Some(approach)),
-        None => (None, None),
-    };
-    Ok(Admissibility { margin, obstruction, closest })
-}
-
-struct Search<'a> {
-    orbit: &'a ContactOrbit,
-    motion: &'a ContactMotion<'a>,
-    /// For how long after each impact its contact is surely off its barrier.
-    clear: SmallVec<[f64; 4]>,
-    closest: Option<(f64, Approach)>,
-    pending: Vec<(f64, f64)>,
-    /// Contacts where windows begin and end: work space.
-    rows: Vec<Lane>,
-    depth: Depth,
-}
-
-impl Search<'_> {
-    /// Nothing that is still to come changes the answer.
-    fn is_decided(&self) -> bool {
-        self.depth == Depth::First && self.closest.as_ref().is_some_and(|(least, _)| *least <= 0.0)
-    }
-
-    fn note(&mut self, least: f64, (contact, barrier): (usize, Barrier), time: f64) {
-        if self.closest.as_ref().is_none_or(|(other, _)| least < *other) {
-            self.closest = Some((least, Approach { site: contact, barrier, time }));
-        }
-    }
-
-    /// The impact of a contact on a barrier at an instant, if there is one.
-    fn impact_at(&self, contact: usize, barrier: Barrier, time: f64) -> Option<usize> {
-        let (period, impacts) = (self.orbit.period(), self.orbit.impacts());
-        let is_there = |impact: &Impact| {
-            (impact.site, impact.barrier) == (contact, barrier)
-                && time_between(impact.time, time, period) <= TOGETHER * period
-        };
-        impacts.iter().position(is_there)
-    }
-
-    /// For how long after an instant a contact is surely off a barrier that it has just hit; 0 where nothing is known.
-    fn clear_after(&self, contact: usize, barrier: Barrier, time: f64) -> f64 {
-        self.impact_at(contact, barrier, time).map_or(0.0, |impact| self.clear[impact])
-    }
+    Ok(Admissibility::of(search.closest, orbit.period()))
 }
 
 #[cfg(test)]
@@ -188,14 +137,20 @@ mod tests {
                 let Some(margin) = answer.margin else { continue };
                 let motion = ContactMotion::new(orbit).unwrap();
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
-                let (pending, rows, depth) = (Vec::new(), Vec::new(), Depth::Worst);
-                let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, rows, depth };
-                let order = &motion.response().view(model.structure().contacts()).0;
-                (0..orbit.impacts().len()).for_each(|i| search.by_steps(order, i).unwrap());
-                let Some((stepped, _)) = search.closest else {
+                let contacts = model.structure().contacts();
+                let stops = |contact: usize| [contacts[contact].lower, contacts[contact].upper];
+                let mut lists = Lists::default();
+                let of = (orbit.impacts(), orbit.period());
+                let search = Search::new(of, &stops, Depth::Worst, model.stop(), &mut lists);
+                let mut search = search.of_contacts(clear);
+                let order = &motion.response().view(contacts).0;
+                let impacts = 0..orbit.impacts().len();
+                impacts.for_each(|i| by_steps::search(&mut search, orbit, &motion, order, i).unwrap());
+                let stepped = search.closest.distance;
+                if !stepped.is_finite() {
                     assert!(margin > 0.0);
                     continue;
-                };
+                }
                 assert_eq!(stepped <= 0.0, margin <= 0.0, "{stepped} {margin} {orbit:?}");
                 if margin <= 0.0 {
                     crossing += 1;

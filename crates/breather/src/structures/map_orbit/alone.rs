@@ -5,8 +5,8 @@ use vibrochain_lattice::Turn;
 use vibrochain_lattice::simd::lanes::{LANES, ZERO, four, total};
 
 use super::modes::Modes;
-use crate::structures::admissible::passage::Passage;
-use crate::structures::view::Lanes;
+use crate::motion::modal::passage::Passage;
+use crate::motion::modal::view::Lanes;
 
 /// Radians of the fastest mode in a window.
 const WINDOW: f64 = 1.0;

@@ -24,12 +24,12 @@ use super::model::LoadedStructure;
 use super::response::FixedPart;
 use super::reversible::ReversibleOrbit;
 use super::search::half_period::other_lapses;
-use super::view::View;
 use crate::admissible::answer::Obstruction;
 use crate::admissible::check::on_grid::{Ends, OnGrid, Watched};
 use crate::admissible::gap::{Closest, Depth, Gap};
 use crate::admissible::grid::{Flight, Forces, MOST_RADIANS};
 use crate::admissible::map_breather::MapSearch;
+use crate::motion::modal::view::View;
 use crate::search::finder::Finder;
 use crate::word::Word;
 use modes::{DELICATE, Impulses, Modes};
@@ -87,7 +87,7 @@ pub struct MapOrbit {
     phi: Option<f64>,
     /// Of two impulses half a period apart the bound of the relative error of their ratio.
     ratio_error: Option<f64>,
-    margin: f64,
+    margin: Option<f64>,
     crossing: Option<Obstruction>,
     residual: f64,
 }
@@ -113,8 +113,8 @@ impl MapOrbit {
         self.crossing
     }
 
-    /// The least distance at a turning point, or at an impact to the other barrier.
-    pub fn margin(&self) -> f64 {
+    /// The least distance at a turning point, if there is one.
+    pub fn margin(&self) -> Option<f64> {
         self.margin
     }
 
@@ -215,7 +215,7 @@ impl Finder {
                 }
                 let crossing = sights.surely_crosses(on_grid, impulses, half, s)?;
                 let (fixed, phi) = (fixed.clone(), Some(half - s));
-                let margin = crossing.distance;
+                let margin = Some(crossing.distance);
                 blocked.get_or_insert(MapOrbit {
                     fixed,
                     period,
@@ -233,10 +233,8 @@ impl Finder {
             return Some(blocked);
         }
         let closest = sights.closest(on_grid, impulses, half, second.is_none())?;
-        // An impact leaves the contact as far from its other barrier as that is.
-        let width = stops.lower.zip(stops.upper).map_or(f64::INFINITY, |(lower, upper)| upper - lower);
-        let margin = closest.distance.min(width);
-        let crossing = (margin <= 0.0).then(|| obstruction(closest));
+        let margin = Some(closest.distance).filter(|margin| margin.is_finite());
+        let crossing = (closest.distance <= 0.0).then(|| obstruction(closest));
         if crossing.is_some() && matches!(blocked, MapSearch::One(_)) {
             return Some(blocked);
         }
@@ -303,6 +301,7 @@ impl Sights<'_> {
             fastest: view.fastest,
             shapes: &view.sights.shapes,
             start: [&start[0], &start[1]],
+            driven: None,
         };
         if !on_grid.grid.set(flight, forces, whole) {
             return None;
@@ -315,7 +314,7 @@ impl Sights<'_> {
         gaps.extend(order.iter().enumerate().map(gap));
         // Where there is no contact there is room enough.
         gaps.resize(still.len(), Gap { centre: 0.0, half: f64::INFINITY });
-        Some(look(on_grid, Watched { flight, forces, sites: order, ends }, &gaps))
+        Some(look(on_grid, Watched { flight, forces, sites: order, ends, begins: 0.0 }, &gaps))
     }
 }
 

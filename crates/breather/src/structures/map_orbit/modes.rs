@@ -4,8 +4,8 @@ use smallvec::smallvec;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, ONE, TWO, ZERO, all, four, total};
 use vibrochain_lattice::{ContactMode, Turn};
 
+use crate::motion::modal::view::Lanes;
 use crate::structures::response::FixedPart;
-use crate::structures::view::Lanes;
 
 /// Where |sin ΩT/2| is below this, next to a resonance, the general path takes states of modes as unknowns.
 const NEAR: f64 = 1e-3;

@@ -18,8 +18,8 @@ use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 
 use rigid::rigid_by_period;
 pub(crate) use rigid::rigid_jet;
-pub(crate) use sum::inverse;
-pub(super) use sum::{Jet, Sum, UNIT, length, one_less};
+pub(super) use sum::{Jet, Sum, UNIT, one_less};
+pub(crate) use sum::{inverse, length};
 use turning_modes::TurningModes;
 
 /// From here on 1 − R is rounding: the period is a whole number of the mode's own.

@@ -46,7 +46,7 @@ impl Sum {
 }
 
 /// The length of two numbers: `hypot`, which takes ten times as long, only where squares leave the range.
-pub(in crate::structures) fn length([x, y]: [f64; 2]) -> f64 {
+pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
     let square = x * x + y * y;
     if square > 1e-280 && square < 1e280 { square.sqrt() } else { x.hypot(y) }
 }

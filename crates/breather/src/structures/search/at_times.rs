@@ -3,7 +3,7 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Complex};
 
-use crate::equations::linear::{Factors, Matrix, Vector, zeros};
+use crate::equations::linear::{Factors, Matrix, Vector, unit, zeros};
 use crate::error::BreatherError;
 use crate::structures::equations::Equations;
 use crate::structures::periodic_kernel::UNIT;
@@ -142,7 +142,7 @@ impl Impacts<'_> {
             let row = |j: usize| if j + 2 < size { 0.0 } else { direction[j + 2 - size] };
             Factors::new(Matrix::from_fn(size, |i, j| if i + 1 < size { linear.rows[i][j] } else { row(j) }))
         });
-        let best = bordered.into_iter().flatten().max_by(|a, b| a.determinant.abs().total_cmp(&b.determinant.abs()));
+        let best = bordered.iter().flatten().max_by(|a, b| a.determinant.abs().total_cmp(&b.determinant.abs()));
         let Some(best) = best else { return Ok(None) };
         let solved = |last: f64| {
             let right: Vector = linear.right[..size - 1].iter().copied().chain([last]).collect();
@@ -154,9 +154,8 @@ impl Impacts<'_> {
         let own = |x: &Vector, row: usize| self.equations.mobility(self.letters[row - laws].0) * x[row - laws].abs();
         let misfits = [&base, &moved].map(|x| linear.misfit(size - 1, x, |row| own(x, row)));
         let along = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
-        let unit = |row: usize| -> Vector { (0..size).map(|i| f64::from(u8::from(i == row))).collect() };
         let of_phase: Vector = (0..size - 1)
-            .map(|row| best.solve(&unit(row)))
+            .map(|row| best.solve(&unit(size, row)))
             .map(|moved| moved[size - 2].hypot(moved[size - 1]))
             .collect();
         let blurs = [&base, &moved].map(|x| {

@@ -4,9 +4,10 @@ use vibrochain_lattice::{ModeFlow, Turn, Turned};
 use vibrochain_testkit::Random;
 
 use super::orbits;
-use crate::structures::flight::{ContactMotion, reach};
+use crate::motion::modal::view::reach;
+use crate::motion::modal::windows::{Room, Windows};
+use crate::structures::flight::ContactMotion;
 use crate::structures::periodic_kernel::length;
-use crate::structures::windows::Windows;
 
 /// The length of a mode's state or of a derivative stays below its bound on a flight, and comes near it on some.
 #[test]
@@ -67,14 +68,15 @@ fn accelerations_stay_within_their_bound() {
 #[test]
 fn windows_hold_the_motion_and_bound_it() {
     let mut random = Random(47);
-    let (mut flights, mut near, mut rows) = (0, [0, 0], Vec::new());
+    let (mut flights, mut near, mut rows, mut room) = (0, [0, 0], Vec::new(), Room::default());
     orbits(&mut random, 150, |orbit, random| {
         let motion = ContactMotion::new(orbit).unwrap();
         let order = if random.chance(0.5) { vec![0, 1] } else { vec![1, 0] };
         let Some(view) = &motion.response().view_of(&order) else { return };
         for i in 0..orbit.impacts().len() {
             let whole = motion.until_next(i);
-            let Some(mut windows) = Windows::new(view, &motion, i, whole) else { continue };
+            let begin = |both: [&mut [f64]; 2]| motion.begin(view, i, both);
+            let Some(mut windows) = Windows::new(view, begin, (whole, false), &mut room) else { continue };
             windows.rows(&mut rows);
             let bounds = windows.bounds();
             let (mut excursions, mut fourths) = ([0.0_f64; 2], [0.0_f64; 2]);
@@ -84,12 +86,13 @@ fn windows_hold_the_motion_and_bound_it() {
                     let polynomial = windows.polynomial(number, place);
                     let still = motion.response().still(contact);
                     for k in 0..=8 {
-                        let s = windows.length * f64::from(k) / 8.0;
-                        let there = motion.contact(contact, i, start + s);
+                        // In windows, as all rates are.
+                        let s = f64::from(k) / 8.0;
+                        let there = motion.contact(contact, i, start + s * windows.length);
                         let (value, slope) = polynomial.evaluate(s);
                         let size = 1.0 + bounds[0].as_flattened()[place];
                         assert!((value - there[0]).abs() < 1e-12 * size, "{value} {there:?}");
-                        assert!((slope - there[1]).abs() < 1e-11 * size / windows.length, "{slope} {there:?}");
+                        assert!((slope - there[1] * windows.length).abs() < 1e-11 * size, "{slope} {there:?}");
                         excursions[place] = excursions[place].max((there[0] - still).abs());
                         // The fourth derivative of the polynomial, by Horner's rule.
                         let terms = polynomial.coefficients.iter().enumerate().skip(4).rev();
@@ -103,7 +106,7 @@ fn windows_hold_the_motion_and_bound_it() {
                     let there = motion.contact(contact, i, start + windows.length);
                     let size = 1.0 + bounds[0].as_flattened()[place];
                     assert!((places[place] - there[0]).abs() < 1e-12 * size, "{places:?} {there:?}");
-                    assert!((velocities[place] - there[1]).abs() < 1e-11 * size / windows.length, "{there:?}");
+                    assert!((velocities[place] - there[1] * windows.length).abs() < 1e-11 * size, "{there:?}");
                 }
             }
             assert!((windows.start(rows.len() / 2 - 1) - whole).abs() < 1e-12 * whole);
@@ -130,7 +133,9 @@ fn contacts_that_are_kept_are_seen_as_before() {
         // Eight places in the lists: two groups of four.
         let order = [0, 1, 0, 0, 0, 0, 1, 0];
         let Some(view) = &motion.response().view_of(&order) else { return };
-        let Some(mut windows) = Windows::new(view, &motion, 0, motion.until_next(0)) else { return };
+        let (begin, mut room) = (|both: [&mut [f64]; 2]| motion.begin(view, 0, both), Room::default());
+        let flight = (motion.until_next(0), false);
+        let Some(mut windows) = Windows::new(view, begin, flight, &mut room) else { return };
         let mut places = [1, 6];
         windows.keep(&mut places.iter_mut());
         assert_eq!(places, [0, 1]);
@@ -139,7 +144,8 @@ fn contacts_that_are_kept_are_seen_as_before() {
         let [place, velocity] = [rows[2][1], rows[3][1]];
         let there = motion.contact(1, 0, windows.length);
         assert!((place - there[0]).abs() < 1e-12 * (1.0 + there[0].abs()), "{place} {there:?}");
-        assert!((velocity - there[1]).abs() < 1e-11 * (1.0 + there[1].abs()), "{velocity} {there:?}");
+        let speed = there[1] * windows.length;
+        assert!((velocity - speed).abs() < 1e-11 * (1.0 + speed.abs()), "{velocity} {there:?}");
         compared += 1;
     });
     assert!(compared > 20, "{compared}");

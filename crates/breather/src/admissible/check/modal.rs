@@ -1,15 +1,15 @@
-//! Contacts as polynomials on windows of a radian, whose turning points are isolated.
+//! By modes: masses or contacts as polynomials on windows of a radian, whose turning points are isolated.
 
-use smallvec::smallvec;
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, all, four};
 use vibrochain_lattice::{Barrier, Stopped};
 
-use super::Search;
-use super::passage::Passage;
+use super::search::Search;
 use crate::admissible::gap::Depth;
+use crate::motion::modal::passage::{Passage, STILL};
+use crate::motion::modal::view::Lanes;
+use crate::motion::modal::windows::Windows;
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
-use crate::structures::view::Lanes;
-use crate::structures::windows::Windows;
 
 /// A contact that may come near its barriers.
 struct Watched {
@@ -17,9 +17,9 @@ struct Watched {
     /// Its place among those that are looked at, and a bound of its |g⁗|.
     place: usize,
     fourth: f64,
-    /// Its barriers, and whether they hit it where the flight begins or the next impact is.
+    /// Its barriers, and whether it ever hits them.
     stops: [Option<(Barrier, f64)>; 2],
-    is_hit: [bool; 2],
+    hits: [bool; 2],
 }
 
 /// A barrier of a contact, and where it is.
@@ -33,40 +33,36 @@ struct Wall {
 }
 
 impl Search<'_> {
-    /// Turning points of the contacts' polynomials, window by window.
-    pub(super) fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) -> Result<(), Stopped> {
-        let (begins, whole) = (self.orbit.impacts()[i].time, windows.whole);
-        let next = begins + self.motion.until_next(i);
+    /// Turning points of the contacts' polynomials, window by window, of the flight that begins at a time.
+    pub(crate) fn by_modes(&mut self, windows: &mut Windows<'_>, order: &[usize], begins: f64) -> Result<(), Stopped> {
+        let whole = windows.whole;
         let bounds = windows.bounds();
         let [excursions, fourths] = bounds.each_ref().map(|lanes| lanes.as_flattened());
-        let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
+        let mut watched: SmallVec<[Watched; 16]> = SmallVec::new();
         for (place, &contact) in order.iter().enumerate() {
-            let contact_stops = &self.orbit.model().structure().contacts()[contact];
-            let still = self.motion.response().still(contact);
-            let stops = [Barrier::Lower, Barrier::Upper].map(|barrier| {
-                let stop = contact_stops.barrier(barrier)?;
-                // Most contacts are far from their barriers, and stay there.
-                let room = barrier.sign() * (stop - still) - excursions[place];
-                let is_far = self.closest.as_ref().is_some_and(|(least, _)| room > least.max(0.0));
-                (!is_far).then_some((barrier, stop))
+            let still = windows.still(place);
+            let stops = self.barriers(contact).map(|stop| {
+                stop.filter(|&(barrier, stop)| {
+                    // Most contacts are far from their barriers, and stay there.
+                    let room = barrier.sign() * (stop - still) - excursions[place];
+                    room <= self.closest.distance.max(0.0)
+                })
             });
             if stops == [None; 2] {
                 continue;
             }
-            let [here, end] = windows.ends(place);
-            let is_ever_hit = self.orbit.impacts().iter().any(|impact| impact.site == contact);
-            let is_hit = |barrier, at| is_ever_hit && self.impact_at(contact, barrier, at).is_some();
-            let hits =
-                stops.map(|stop| stop.is_some_and(|(barrier, _)| is_hit(barrier, begins) || is_hit(barrier, next)));
-            // A contact that feels an impact of another has a corner there.
-            for (barrier, stop) in stops.into_iter().flatten() {
-                for (s, at) in [(0.0, here), (whole, end)] {
-                    if !(is_ever_hit && self.impact_at(contact, barrier, begins + s).is_some()) {
+            let ends = windows.ends(place);
+            let hits = stops.map(|stop| stop.is_some_and(|(barrier, _)| self.hits(contact, barrier)));
+            for ((barrier, stop), hits) in stops.into_iter().zip(hits).filter_map(|(stop, hits)| Some((stop?, hits))) {
+                for (s, [at, speed]) in [0.0, whole].into_iter().zip(ends) {
+                    // On its way to a barrier it is nearer each instant; where another is hit it may have a corner, or be still.
+                    let turns = || self.has_corners || speed.abs() <= 6.0 * STILL * excursions[place];
+                    if !hits || !self.hits_at(contact, begins + s) && turns() {
                         self.note(barrier.sign() * (stop - at), (contact, barrier), begins + s);
                     }
                 }
             }
-            watched.push(Watched { contact, place, fourth: fourths[place], stops, is_hit: hits });
+            watched.push(Watched { contact, place, fourth: fourths[place], stops, hits });
         }
         if watched.is_empty() {
             return Ok(());
@@ -81,13 +77,12 @@ impl Search<'_> {
             fourths.as_flattened_mut()[place] = own.fourth;
             for (side, (_, stop)) in own.stops.iter().enumerate().filter_map(|(side, stop)| Some((side, (*stop)?))) {
                 stops[side].as_flattened_mut()[place] = stop;
-                // A contact that a barrier does not hit before the flight or after it comes no less near than it is anywhere.
-                if !own.is_hit[side] {
+                if !own.hits[side] {
                     free[side].as_flattened_mut()[place] = stop;
                 }
             }
         }
-        let mut rows = std::mem::take(&mut self.rows);
+        let mut rows = std::mem::take(&mut self.lists.rows);
         windows.rows(&mut rows);
         let mut nearest = all(f64::INFINITY);
         for row in rows.chunks_exact(2 * fours) {
@@ -99,13 +94,13 @@ impl Search<'_> {
         let nearest = nearest.to_array().into_iter().fold(f64::INFINITY, f64::min);
         // Of several that are in the way the first one is told.
         let nearest = if self.depth == Depth::First { nearest.max(0.0) } else { nearest };
-        let mut pending = std::mem::take(&mut self.pending);
+        let mut pending = std::mem::take(&mut self.lists.pending);
         let nodes = rows.chunks_exact(2 * fours);
         for (number, (begin, end)) in nodes.clone().zip(nodes.skip(1)).enumerate() {
-            self.motion.heard()?;
+            self.stop.heard()?;
             for (group, four_watched) in watched.chunks(LANES).enumerate() {
                 let [begin, end] = [begin, end].map(|row| [row[group], row[fours + group]].map(four));
-                let passages = Passage::new(begin, end, windows.length, four(fourths[group]));
+                let passages = Passage::new(begin, end, 1.0, four(fourths[group]));
                 let rooms = [(Barrier::Lower, &stops[0]), (Barrier::Upper, &stops[1])]
                     .map(|(barrier, stops)| passages.room(barrier, four(stops[group])));
                 let room = rooms[0].fast_min(rooms[1]).to_array();
@@ -119,13 +114,13 @@ impl Search<'_> {
                 break;
             }
         }
-        (self.pending, self.rows) = (pending, rows);
+        (self.lists.pending, self.lists.rows) = (pending, rows);
         Ok(())
     }
 
     /// The least distance so far, or where contacts have been seen to be nearer: what stays farther away does not count.
     fn limit(&self, nearest: f64) -> f64 {
-        self.closest.as_ref().map_or(nearest, |(least, _)| least.min(nearest))
+        self.closest.distance.min(nearest)
     }
 
     /// Looks at one contact on a window.
@@ -146,7 +141,7 @@ impl Search<'_> {
                 continue;
             }
             let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(number, own.place));
-            let clear = self.clear_after(own.contact, barrier, begins);
+            let clear = self.clear_after(own.contact, barrier, begins).unwrap_or_default();
             let wall = Wall { contact: own.contact, barrier, stop, clear };
             self.turns((windows, number), own_polynomial, wall, begins, pending);
         }
@@ -161,17 +156,18 @@ impl Search<'_> {
         begins: f64,
         pending: &mut Vec<(f64, f64)>,
     ) {
-        let [from, to] = with_overlap(windows.length, windows.goes_on(number));
-        let from = from.max(if clear > 0.0 { clear - windows.start(number) } else { f64::NEG_INFINITY });
+        let [from, to] = with_overlap(1.0, windows.goes_on(number));
+        let first = if clear > 0.0 { (clear - windows.start(number)) / windows.length } else { f64::NEG_INFINITY };
+        let from = from.max(first);
         if from >= to {
             return;
         }
-        let (own, scale) = polynomial.before(barrier, stop, windows.length);
+        let (own, scale) = polynomial.before(barrier, stop);
         let start = begins + windows.start(number);
-        let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
+        let least = self.closest.distance / scale;
         let mut note = |s: f64, value: f64| {
-            self.note((1.0 - value) * scale, (contact, barrier), start + s);
-            self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale)
+            self.note((1.0 - value) * scale, (contact, barrier), start + s * windows.length);
+            self.closest.distance / scale
         };
         turning_points(&own, [from, to], pending, least, &mut note, 0.0);
     }

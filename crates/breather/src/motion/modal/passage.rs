@@ -6,18 +6,18 @@ use wide::f64x4;
 
 /// Of a velocity at the end of a flight below this part of those nearby the contact turns so close to the end that it is as near a barrier there,
 /// to rounding.
-const STILL: f64 = 1e-9;
+pub(crate) const STILL: f64 = 1e-9;
 
 /// The cubic that has a contact's place and velocity at both ends of a window, by Bézier's four points, between which it stays, and how far
 /// the contact can be from it: h⁴/384 times a bound of |g⁗|, and √3h³/216 times that in its velocity. Of one contact, or of four.
-pub(in crate::structures) struct Passage<T> {
-    pub(in crate::structures) points: [T; 4],
-    pub(in crate::structures) off: T,
+pub(crate) struct Passage<T> {
+    pub(crate) points: [T; 4],
+    pub(crate) off: T,
     length: f64,
 }
 
 impl<T: Number> Passage<T> {
-    pub(in crate::structures) fn new([place, velocity]: [T; 2], [end, last]: [T; 2], length: f64, fourth: T) -> Self {
+    pub(crate) fn new([place, velocity]: [T; 2], [end, last]: [T; 2], length: f64, fourth: T) -> Self {
         let third = length / 3.0;
         // What rounding adds is as small against the terms as this.
         let off = (fourth * length.powi(4) / T::of(384.0)) * (1.0 + 1e-9) + (place.modulus() + end.modulus()) * 1e-14;
@@ -25,7 +25,7 @@ impl<T: Number> Passage<T> {
     }
 
     /// How much room it surely leaves before a barrier.
-    pub(in crate::structures) fn room(&self, barrier: Barrier, stop: T) -> T {
+    pub(crate) fn room(&self, barrier: Barrier, stop: T) -> T {
         let [a, b, c, d] = self.points.map(|place| (place - stop) * barrier.sign());
         -(a.at_least(b).at_least(c.at_least(d))) - self.off
     }
@@ -33,7 +33,7 @@ impl<T: Number> Passage<T> {
 
 impl Passage<f64x4> {
     /// That of one of the four.
-    pub(in crate::structures) fn of(&self, lane: usize) -> Passage<f64> {
+    pub(crate) fn of(&self, lane: usize) -> Passage<f64> {
         let own = |four: f64x4| four.to_array()[lane];
         Passage { points: self.points.map(own), off: own(self.off), length: self.length }
     }
@@ -41,7 +41,7 @@ impl Passage<f64x4> {
 
 impl Passage<f64> {
     /// Whether the velocity may vanish; at the ends that are `known`, where the flight ends, too, it may be 0 all the same.
-    pub(in crate::structures) fn may_turn(&self, known: [bool; 2]) -> bool {
+    pub(crate) fn may_turn(&self, known: [bool; 2]) -> bool {
         let [a, b, c, d] = self.points;
         let slopes = [b - a, c - b, d - c].map(|way| way * 3.0 / self.length);
         let one_way = |list: &[f64], off: f64| list.iter().all(|x| *x > off) || list.iter().all(|x| *x < -off);

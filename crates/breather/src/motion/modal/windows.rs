@@ -5,10 +5,9 @@ use vibrochain_lattice::Turn;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, combine_each, four};
 use wide::f64x4;
 
-use super::flight::{ContactMotion, reach};
-use super::periodic_kernel::length;
-use super::view::{Flow, Lanes, Node, Sights, View};
+use super::view::{Flow, Lanes, Node, Sights, View, reach};
 use crate::motion::polynomial::{ORDER, Polynomial};
+use crate::structures::periodic_kernel::length;
 
 /// Radians of the fastest part in a window.
 const WINDOW: f64 = 1.0;
@@ -22,43 +21,53 @@ const REFRESH: usize = 32;
 /// Groups of orders of a polynomial.
 const FOURS: usize = ORDER / LANES;
 
-/// One flight in windows, on which contacts are polynomials to rounding, some of a structure's, known by their places in a list.
-pub(super) struct Windows<'v> {
+/// Numbers of a flight, in the same memory from one to the next.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Room {
+    nodes: Vec<Lane>,
+    derivatives: Vec<Lane>,
+}
+
+/// One flight in windows, on which contacts are polynomials to rounding, some of a structure's known by their places in a
+/// list. Velocities and derivatives count time in windows: of fast modes they stay within the range of `f64`.
+pub(crate) struct Windows<'v> {
     view: &'v View,
     /// Length of a window, and how many there are.
-    pub(super) length: f64,
+    pub(crate) length: f64,
     count: usize,
-    /// How long the flight is looked at.
-    pub(super) whole: f64,
+    /// How long the flight is looked at, and whether it goes on after that.
+    pub(crate) whole: f64,
+    goes_on: bool,
     /// What the contacts see that are still looked at, where these are not all.
     kept: Option<Sights>,
-    /// The parts where each window starts and where the last one ends, a node after the other.
-    nodes: Vec<Lane>,
+    /// The parts where each window starts and where the last one ends, a node after the other; and derivatives over factorials of what contacts see at
+    /// the start of a window, [coordinate][order], with the window's number.
+    room: &'v mut Room,
+    derived: Option<usize>,
     /// The contacts at both ends of the flight.
     ends: SmallVec<[Lane; 16]>,
-    /// Derivatives over factorials of what contacts see at the start of a window, [coordinate][order], and the window's number.
-    derivatives: Vec<Lane>,
-    derived: Option<usize>,
 }
 
 impl<'v> Windows<'v> {
-    /// Of the flight after impact `i`, as far as `whole`. `None` where there would be too many.
-    pub(super) fn new(view: &'v View, motion: &ContactMotion<'_>, i: usize, whole: f64) -> Option<Self> {
+    /// Of a flight as far as `whole`, after which it `goes_on` or not; `begin` tells first and second coordinates of all parts at its start. `None`
+    /// where there would be too many.
+    pub(crate) fn new(
+        view: &'v View,
+        begin: impl FnOnce([&mut [f64]; 2]),
+        (whole, goes_on): (f64, bool),
+        room: &'v mut Room,
+    ) -> Option<Self> {
         let windows = (whole * view.fastest / WINDOW).ceil().max(1.0);
         if windows > MOST_WINDOWS {
             return None;
         }
         let (length, count) = (whole / windows, windows as usize);
         let groups = view.flows.len().div_ceil(LANES);
-        let mut nodes = vec![[0.0; LANES]; (count + 1) * 2 * groups];
-        let (x, y) = nodes.as_flattened_mut().split_at_mut(groups * LANES);
-        for (k, &number) in view.numbers.iter().enumerate() {
-            [x[k], y[k]] = motion.state(i, number);
-        }
-        for (k, flow) in view.flows.iter().enumerate().skip(view.numbers.len()) {
-            let (sin, cos) = (flow.rate * motion.load_time(i, 0.0)).sin_cos();
-            [x[k], y[k]] = [cos, -sin];
-        }
+        let nodes = &mut room.nodes;
+        nodes.clear();
+        nodes.resize((count + 1) * 2 * groups, [0.0; LANES]);
+        let (x, y) = nodes[..2 * groups].as_flattened_mut().split_at_mut(groups * LANES);
+        begin([x, y]);
         let flow = |t: f64| {
             let flights = Turn::flights(view.flows.iter().copied(), t);
             Flow::of(&view.flows, |k| flights[k])
@@ -72,8 +81,8 @@ impl<'v> Windows<'v> {
                 step.act(&before[(number - 1) * 2 * groups..], 1.0, &mut next[..2 * groups]);
             }
         }
-        let (ends, derivatives) = (SmallVec::new(), Vec::new());
-        let mut own = Self { view, length, count, whole, kept: None, nodes, ends, derivatives, derived: None };
+        let ends = SmallVec::new();
+        let mut own = Self { view, length, count, whole, goes_on, kept: None, room, derived: None, ends };
         own.look_at_ends();
         Some(own)
     }
@@ -85,14 +94,14 @@ impl<'v> Windows<'v> {
     /// The parts where a window starts, or where the last one ends.
     fn node(&self, number: usize) -> &[Lane] {
         let width = 2 * self.view.flows.len().div_ceil(LANES);
-        &self.nodes[number * width..][..width]
+        &self.room.nodes[number * width..][..width]
     }
 
     /// Places and velocities of all contacts at a node.
     fn look(&self, number: usize, row: &mut [Lane]) {
         let (node, Sights { shapes, still }) = (self.node(number), self.sights());
         let mut rates: Node = smallvec![[0.0; LANES]; node.len()];
-        self.view.generator.act(node, 1.0, &mut rates);
+        self.view.generator.act(node, self.length, &mut rates);
         let (places, velocities) = row.split_at_mut(still.len());
         combine_each(shapes, self.view.seen(node, &rates), [&mut *places, velocities]);
         for (place, still) in places.iter_mut().zip(still) {
@@ -110,7 +119,7 @@ impl<'v> Windows<'v> {
     }
 
     /// Looks from here on at the contacts at these places alone, and tells their new ones.
-    pub(super) fn keep(&mut self, places: &mut dyn Iterator<Item = &mut usize>) {
+    pub(crate) fn keep(&mut self, places: &mut dyn Iterator<Item = &mut usize>) {
         let kept: SmallVec<[usize; 16]> =
             places.enumerate().map(|(new, place)| std::mem::replace(place, new)).collect();
         let (before, fours) = (self.view.sights.still.len(), kept.len().div_ceil(LANES));
@@ -133,17 +142,17 @@ impl<'v> Windows<'v> {
     }
 
     /// When a window starts, since the impact.
-    pub(super) fn start(&self, number: usize) -> f64 {
+    pub(crate) fn start(&self, number: usize) -> f64 {
         number as f64 * self.length
     }
 
     /// Whether the flight goes on before a window, and after it.
-    pub(super) fn goes_on(&self, number: usize) -> [bool; 2] {
-        [number > 0, number + 1 < self.count]
+    pub(crate) fn goes_on(&self, number: usize) -> [bool; 2] {
+        [number > 0, number + 1 < self.count || self.goes_on]
     }
 
     /// Places of all contacts where each window starts and where the last one ends, and behind them velocities, four at a time: a row for each.
-    pub(super) fn rows(&self, rows: &mut Vec<Lane>) {
+    pub(crate) fn rows(&self, rows: &mut Vec<Lane>) {
         let (first, last) = self.ends.split_at(self.ends.len() / 2);
         rows.clear();
         rows.reserve((self.count + 1) * first.len());
@@ -155,14 +164,20 @@ impl<'v> Windows<'v> {
         rows.extend_from_slice(last);
     }
 
-    /// Where a contact is at both ends of the flight.
-    pub(super) fn ends(&self, place: usize) -> [f64; 2] {
+    /// Place and velocity of a contact at both ends of the flight.
+    pub(crate) fn ends(&self, place: usize) -> [[f64; 2]; 2] {
         let (first, last) = self.ends.split_at(self.ends.len() / 2);
-        [first, last].map(|row| row.as_flattened()[place])
+        let number = |lanes: &[Lane]| lanes.as_flattened()[place];
+        [first, last].map(|row| [number(row), number(&row[row.len() / 2..])])
+    }
+
+    /// Where a contact is under the static load.
+    pub(crate) fn still(&self, place: usize) -> f64 {
+        self.view.sights.still.as_flattened()[place]
     }
 
     /// Bounds on the whole flight, of all contacts, four at a time: how far one may be from where it is still, and |g⁗|.
-    pub(super) fn bounds(&self) -> [Lanes; 2] {
+    pub(crate) fn bounds(&self) -> [Lanes; 2] {
         let View { flows, both, sights: Sights { shapes, still }, .. } = self.view;
         let fours = still.len();
         let (x, y) = self.node(0).split_at(flows.len().div_ceil(LANES));
@@ -170,7 +185,8 @@ impl<'v> Windows<'v> {
         let mut bounds: [Lanes; 2] = [smallvec![[0.0; LANES]; fours], smallvec![[0.0; LANES]; fours]];
         let [excursions, fourths] = bounds.each_mut().map(|lanes| &mut lanes[..fours]);
         for (k, flow) in flows.iter().enumerate() {
-            let [reach, fourth] = [0, 4].map(|order| all(reach(*flow, [x[k], y[k]], self.whole, order)));
+            let [reach, fourth] = [0, 4]
+                .map(|order| all(reach(flow.counted_in(self.length), [x[k], y[k]], self.whole / self.length, order)));
             let mut add = |g: usize, size: f64x4| {
                 excursions[g] = (four(excursions[g]) + reach * size).to_array();
                 fourths[g] = (four(fourths[g]) + fourth * size).to_array();
@@ -189,7 +205,7 @@ impl<'v> Windows<'v> {
     }
 
     /// The contact on a window, from its start on.
-    pub(super) fn polynomial(&mut self, number: usize, place: usize) -> Polynomial {
+    pub(crate) fn polynomial(&mut self, number: usize, place: usize) -> Polynomial {
         if self.derived != Some(number) {
             self.derived = Some(number);
             self.derive(number);
@@ -197,7 +213,7 @@ impl<'v> Windows<'v> {
         let Sights { shapes, still } = self.sights();
         let shape = shapes.chunks_exact(still.len()).map(|row| row.as_flattened()[place]);
         let mut coefficients = [0.0; ORDER];
-        combine(&self.derivatives, shape, coefficients.as_chunks_mut().0);
+        combine(&self.room.derivatives, shape, coefficients.as_chunks_mut().0);
         coefficients[0] += still.as_flattened()[place];
         Polynomial { coefficients }
     }
@@ -210,13 +226,13 @@ impl<'v> Windows<'v> {
         // Four orders of all coordinates.
         let mut orders: SmallVec<[Lane; 32]> = smallvec![[0.0; LANES]; LANES * width];
         orders[..width].copy_from_slice(self.node(number));
-        let mut derivatives = std::mem::take(&mut self.derivatives);
+        let mut derivatives = std::mem::take(&mut self.room.derivatives);
         derivatives.resize((2 * count - both) * FOURS, [0.0; LANES]);
         let generator = &self.view.generator;
         for block in 0..FOURS {
             for order in 1..LANES {
                 let (before, next) = orders.split_at_mut(order * width);
-                let by = 1.0 / (LANES * block + order) as f64;
+                let by = self.length / (LANES * block + order) as f64;
                 generator.act(&before[(order - 1) * width..], by, &mut next[..width]);
             }
             for g in (0..groups).chain(groups + both / LANES..width) {
@@ -227,8 +243,8 @@ impl<'v> Windows<'v> {
                 }
             }
             let (first, last) = orders.split_at_mut((LANES - 1) * width);
-            generator.act(last, 1.0 / (LANES * (block + 1)) as f64, &mut first[..width]);
+            generator.act(last, self.length / (LANES * (block + 1)) as f64, &mut first[..width]);
         }
-        self.derivatives = derivatives;
+        self.room.derivatives = derivatives;
     }
 }

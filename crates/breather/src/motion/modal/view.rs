@@ -4,37 +4,37 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four};
 use vibrochain_lattice::{Complex, LinearMode, ModeFlow, Turn, Turned};
 
-use super::periodic_kernel::length;
+use crate::structures::periodic_kernel::length;
 
 /// As many groups as a structure of sixteen modes has without asking for memory.
-pub(super) type Lanes = SmallVec<[Lane; 4]>;
+pub(crate) type Lanes = SmallVec<[Lane; 4]>;
 
 /// First coordinates of all parts, and second ones behind, four at a time.
-pub(super) type Node = SmallVec<[Lane; 8]>;
+pub(crate) type Node = SmallVec<[Lane; 8]>;
 
 /// What contacts see of an orbit's flights: the modes and the motion under a load, which is one mode more, that nothing damps.
 #[derive(Debug, PartialEq)]
-pub(super) struct View {
+pub(crate) struct View {
     /// How each part moves, and the number of each mode among those that are felt.
-    pub(super) flows: SmallVec<[ModeFlow; 16]>,
-    pub(super) numbers: SmallVec<[usize; 16]>,
+    pub(crate) flows: SmallVec<[ModeFlow; 16]>,
+    pub(crate) numbers: SmallVec<[usize; 16]>,
     /// From this one on contacts see both coordinates, before it the first alone.
-    pub(super) both: usize,
-    pub(super) sights: Sights,
-    pub(super) generator: Flow,
-    pub(super) fastest: f64,
+    pub(crate) both: usize,
+    pub(crate) sights: Sights,
+    pub(crate) generator: Flow,
+    pub(crate) fastest: f64,
 }
 
 /// What contacts see of the parts, four at a time: of first coordinates, and of second ones behind; and where they are under the static load.
 #[derive(Debug, PartialEq)]
-pub(super) struct Sights {
-    pub(super) shapes: Vec<Lane>,
-    pub(super) still: Lanes,
+pub(crate) struct Sights {
+    pub(crate) shapes: Vec<Lane>,
+    pub(crate) still: Lanes,
 }
 
 /// What each coordinate keeps, what the first one gets from the second, and the second from the first.
 #[derive(Debug, PartialEq)]
-pub(super) struct Flow([Lanes; 3]);
+pub(crate) struct Flow([Lanes; 3]);
 
 /// How a motion under a load moves.
 fn swing_flow(rate: f64) -> ModeFlow {
@@ -42,7 +42,8 @@ fn swing_flow(rate: f64) -> ModeFlow {
 }
 
 impl Flow {
-    pub(super) fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
+    /// Of what is `by` of each part.
+    pub(crate) fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
         let mut lanes = [(); 3].map(|()| -> Lanes { smallvec![[0.0; LANES]; flows.len().div_ceil(LANES)] });
         for (k, flow) in flows.iter().enumerate() {
             let Turned { even, odd } = by(k);
@@ -59,7 +60,7 @@ impl Flow {
     }
 
     /// All coordinates turned, times a number: from one node into another.
-    pub(super) fn act(&self, node: &[Lane], by: f64, next: &mut [Lane]) {
+    pub(crate) fn act(&self, node: &[Lane], by: f64, next: &mut [Lane]) {
         let groups = self.0[0].len();
         let [keeps, gets, gives] = self.0.each_ref().map(|lanes| &lanes[..groups]);
         let ((x, y), (next_x, next_y)) = (node.split_at(groups), next.split_at_mut(groups));
@@ -75,7 +76,7 @@ impl Flow {
 impl View {
     /// Of contacts that see modes, of which the rigid ones come last, and motions under loads: frequencies and what each contact has of them. `None`
     /// where a dashpot or a static load acts on a rigid mode.
-    pub(super) fn new(
+    pub(crate) fn new(
         modes: &[&LinearMode],
         swings: &[(f64, Vec<Complex<f64>>)],
         (contacts, still_at): (&[usize], impl Fn(usize) -> f64),
@@ -123,7 +124,7 @@ impl View {
     }
 
     /// The same modes, with motions under loads.
-    pub(super) fn under(&self, swings: &[(f64, Vec<Complex<f64>>)], contacts: &[usize]) -> Self {
+    pub(crate) fn under(&self, swings: &[(f64, Vec<Complex<f64>>)], contacts: &[usize]) -> Self {
         let Self { numbers, both, sights: Sights { shapes, still }, .. } = self;
         let mut flows = self.flows.clone();
         flows.extend(swings.iter().map(|&(rate, _)| swing_flow(rate)));
@@ -149,8 +150,16 @@ impl View {
         }
     }
 
+    /// The motions under loads, `time` after their beginning: they come behind the modes.
+    pub(crate) fn begin_swings(&self, time: f64, [x, y]: [&mut [f64]; 2]) {
+        for (k, flow) in self.flows.iter().enumerate().skip(self.numbers.len()) {
+            let (sin, cos) = (flow.rate * time).sin_cos();
+            [x[k], y[k]] = [cos, -sin];
+        }
+    }
+
     /// The numbers that contacts see at a node, with those of its derivative.
-    pub(super) fn seen<'n>(
+    pub(crate) fn seen<'n>(
         &self,
         node: &'n [Lane],
         rates: &'n [Lane],
@@ -162,5 +171,24 @@ impl View {
             values.iter().zip(rates).map(|(value, rate)| [*value, *rate])
         };
         part(0, count).chain(part(second + both, second + count))
+    }
+}
+
+/// A bound of the length of a mode's state, or of its derivative of some order, in a flight of length `left`.
+pub(crate) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f64 {
+    let ModeFlow { turn, decay, rate } = flow;
+    let size = if turn == Turn::Circular {
+        // There the generator turns and stretches.
+        (0..order).fold(length(state), |size, _| size * length([decay, rate]))
+    } else {
+        let generator = Turned { even: -decay, odd: rate };
+        length((0..order).fold(state, |xi, _| turn.act(generator, xi)))
+    };
+    let dying = if decay < 0.0 { (-decay * left).exp() } else { 1.0 };
+    match turn {
+        Turn::Circular => size * dying,
+        // Along either pole.
+        Turn::Hyperbolic => size * ((rate - decay) * left).exp().max(1.0) * std::f64::consts::SQRT_2,
+        Turn::Parabolic => size * dying * (1.0 + rate * left),
     }
 }
