@@ -91,8 +91,8 @@ pub use reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use saltation::{Saltation, saltations};
 pub use spectrum::{ImpactSpectrum, ModalShape};
 pub use stripes::{
-    Collision, DressedModes, InternalMode, NoStripe, OrderFinder, Passing, Signature, SignatureOrder, Stripe,
-    StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
+    Collision, DressedModes, InternalMode, NoStripe, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,
+    StripeRow, bare_signature, passings, signature,
 };
 pub use structures::BlochProblem;
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

@@ -6,7 +6,6 @@ use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechan
 use vibrochain_lattice::{Model, Stop};
 
 use crate::absence::Absence;
-use crate::extent::Extent;
 use crate::first_obstruction::FirstObstruction;
 use crate::standing::Standing;
 
@@ -182,8 +181,6 @@ pub struct Cell {
     pub residual: f64,
     /// Which modes have collided, where that was asked for.
     pub collision: Option<Collision>,
-    /// Which cells of the finest grid it stands for, where a grid is refined.
-    pub extent: Option<Extent>,
     /// Why it has no physical orbit, where maps tell that: those of structures do.
     pub absence: Option<Absence>,
     /// What is in the way of its first candidate.
@@ -202,7 +199,6 @@ impl Cell {
         status: Status::Ok,
         residual: 0.0,
         collision: None,
-        extent: None,
         absence: None,
         obstruction: None,
     };

@@ -9,8 +9,7 @@ use vibrochain_lattice::{Parameter, Point, Stop};
 
 use crate::cell::{Cell, Class, Worker};
 use crate::error::MapError;
-use crate::extent::Extent;
-use crate::grid::{Files, Grid, Refined};
+use crate::grid::{Files, Grid};
 use crate::manifest::scene_parts;
 use crate::scene::{Axis, MAX_BYTES, Scene};
 use crate::structure::StructureScene;
@@ -62,24 +61,13 @@ impl Grid for Scene {
         &self.axes
     }
 
-    fn cells_within(&self) -> u64 {
-        self.refine.map_or(1, |refine| u64::from(refine.size()).pow(2))
-    }
-
-    fn refined(&self) -> Option<Refined> {
-        let grid = || self.finest().axes.iter().map(Axis::points).collect();
-        self.may_miss().map(|may_miss| Refined { grid: grid(), may_miss })
-    }
-
     /// Fewer where cells are slow.
     fn chunk_cells(&self) -> u64 {
         // Existence costs as the masses, stability as their square.
         let slower = (self.base.sites() / FEW_SITES) as u64;
         let slower = if self.task.stability { slower.saturating_mul(slower) } else { slower };
         let most = CHUNK_CELLS * if self.is_conservative() { CONSERVATIVE } else { 1 };
-        // A cell that a border passes has about as many leaves as its side has, and borders pass a quarter of the cells.
-        let leaves = self.refine.map_or(1, |refine| (refine.size() / 4).max(1).into());
-        (most / slower.max(1).next_power_of_two() / leaves).max(LEAST_CELLS)
+        (most / slower.max(1).next_power_of_two()).max(LEAST_CELLS)
     }
 
     fn block(&self) -> u64 {
@@ -112,19 +100,6 @@ impl Grid for Scene {
 
     fn walk(&self, cells: Range<u64>, go_on: impl FnMut(&Point) -> bool) {
         Self::walk(self, cells, go_on);
-    }
-
-    fn extent(&self, cell: u64) -> Option<Extent> {
-        let size = self.refine?.size();
-        let columns = self.axes.first()?.points() as u64;
-        // A million cells at most, and a million columns and rows of the finest grid.
-        let [column, row] = [cell % columns, cell / columns].map(|place| place as u32 * size);
-        Some(Extent { column, row, size })
-    }
-
-    fn sample(&self, _: u64, leaf: Extent) -> Point {
-        let pairs = self.axes.iter().zip(leaf.sample());
-        pairs.fold(self.base, |point, (axis, i)| point.with(axis.parameter, self.finer(axis).value(i as usize)))
     }
 
     fn columns(&self) -> Vec<Column> {

@@ -11,21 +11,11 @@ use vibrochain_lattice::Stop;
 
 use crate::cell::{Cell, Class};
 use crate::error::MapError;
-use crate::extent::Extent;
 use crate::scene::Axis;
 use crate::table::columns::Column;
 
 /// The texts of files that a scene names, by their names in it.
 pub type Files = BTreeMap<String, String>;
-
-/// What a grid that is refined has become.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refined {
-    /// Points along each axis of the finest grid.
-    pub grid: Vec<usize>,
-    /// What its leaves may have missed.
-    pub may_miss: String,
-}
 
 /// A checked scene over a grid of cells.
 pub trait Grid: Clone + Debug + Send + Sync + 'static {
@@ -82,16 +72,6 @@ pub trait Grid: Clone + Debug + Send + Sync + 'static {
         self.axes().iter().map(|axis| axis.points() as u64).product()
     }
 
-    /// Cells of the finest grid in each of its cells.
-    fn cells_within(&self) -> u64 {
-        1
-    }
-
-    /// What the grid is refined to, if it is.
-    fn refined(&self) -> Option<Refined> {
-        None
-    }
-
     /// Cells of a chunk: a fraction of a second of work, which an interruption may cost.
     fn chunk_cells(&self) -> u64;
 
@@ -131,16 +111,6 @@ pub trait Grid: Clone + Debug + Send + Sync + 'static {
                 return;
             }
         }
-    }
-
-    /// Where the cell of this number is, in a grid that is refined.
-    fn extent(&self, _cell: u64) -> Option<Extent> {
-        None
-    }
-
-    /// The point of a leaf of cell number `cell`.
-    fn sample(&self, cell: u64, _leaf: Extent) -> Self::Point {
-        self.point(cell)
     }
 
     /// The columns after the parameters.

@@ -14,7 +14,6 @@
 //! | `grid` | what sweeps, chunks and tables ask of both |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
 //! | `absence` | why a point has no physical orbit |
-//! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
 //! | `manifest` | where a table came from |
 //! | `borders`, `regions` | the curves on which what lives in a scene's window changes; what lives between them, and how much of it
@@ -36,7 +35,6 @@ pub mod borders;
 pub mod caption;
 pub mod cell;
 mod chain_grid;
-pub mod extent;
 pub mod fields;
 pub mod files;
 pub mod first_obstruction;

@@ -6,7 +6,7 @@ use vibrochain_lattice::{Parameter, PointPart};
 
 use crate::absence::Absence;
 use crate::cell::Status;
-use crate::grid::{Grid, Refined};
+use crate::grid::Grid;
 use crate::obstructions::Obstructed;
 use crate::scene::Scene;
 use crate::summary::Summary;
@@ -73,7 +73,7 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     let rest = axes.get(2..).unwrap_or_default();
     let rest = (!rest.is_empty()).then_some(rest);
     let [x, y] = [axes.first(), axes.get(1)].map(|axis| json!(axis));
-    let sweep = given([("x", x), ("y", y), ("axes", json!(rest)), ("refine", json!(scene.refine))]);
+    let sweep = given([("x", x), ("y", y), ("axes", json!(rest))]);
     let mut compute = object([
         ("families", task.family_names().collect()),
         ("stability", json!(task.stability)),
@@ -114,8 +114,6 @@ fn absences(summary: &Summary) -> Vec<Map<String, Value>> {
 /// The manifest as a JSON value.
 pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
     let (scene, summary) = (run.scene, run.summary);
-    let refinement =
-        |Refined { grid, may_miss }| json!({ "grid": grid, "leaves": summary.computed, "may_miss": may_miss });
     let count = |(name, count): (&str, u64)| (count > 0).then(|| (name.to_owned(), Value::from(count)));
     let classes: Map<_, _> = summary.by_name(S::class_name).into_iter().filter_map(count).collect();
     let statuses = Status::ALL.iter().map(|status| status.name()).zip(summary.statuses);
@@ -128,9 +126,8 @@ pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
         ("title", json!(scene.title())),
     ]);
     told.extend(scene.parts());
-    told.extend(object([("cells", json!(scene.cells() * scene.cells_within()))]));
-    told.extend(given([("refinement", json!(scene.refined().map(refinement)))]));
     told.extend(object([
+        ("cells", json!(scene.cells())),
         ("classes", classes.into()),
         ("statuses", statuses.filter_map(count).collect()),
         ("worst_residual", json!(summary.worst_residual)),

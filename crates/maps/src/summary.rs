@@ -2,7 +2,6 @@
 
 use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
-use crate::extent::Extent;
 use crate::obstructions::Obstructions;
 
 /// Excess of a period that a look at the breather does not show: under a force nearly all double-sided breathers radiate into the ring and
@@ -12,7 +11,7 @@ pub const SLOW: f64 = 0.01;
 /// Counts of a finished sweep.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
-    /// Cells per class, in the order of [`Class::ALL`]: of the finest grid, where a grid is refined.
+    /// Cells per class, in the order of [`Class::ALL`].
     pub classes: [u64; Class::ALL.len()],
     /// Cells per status, in the order of [`Status::ALL`].
     pub statuses: [u64; Status::ALL.len()],
@@ -24,7 +23,7 @@ pub struct Summary {
     pub absences: [u64; Absence::ALL.len()],
     /// And of those where a contact is in the way, which one and after which impact.
     pub obstructions: Obstructions,
-    /// Cells that were computed: each stands for itself alone unless the grid is refined.
+    /// Cells that were computed.
     pub computed: u64,
 }
 
@@ -38,21 +37,20 @@ impl Summary {
 
     /// Counts one more.
     pub fn count(&mut self, cell: &Cell) {
-        let cells = cell.extent.map_or(1, Extent::cells);
         if let Some(class) = cell.class {
-            self.classes[class as usize] += cells;
+            self.classes[class as usize] += 1;
             let slow = |radius: f64| radius - 1.0 < SLOW;
             if matches!(class, Class::UnstableDouble | Class::UnstableSingle | Class::UnstableWord)
                 && cell.spectral_radius.is_some_and(slow)
             {
-                self.slow += cells;
+                self.slow += 1;
             }
         }
-        self.statuses[cell.status as usize] += cells;
+        self.statuses[cell.status as usize] += 1;
         if let Some(absence) = cell.absence {
-            self.absences[absence as usize] += cells;
+            self.absences[absence as usize] += 1;
             if let Some(first) = cell.obstruction {
-                self.obstructions.count(absence, first, cells);
+                self.obstructions.count(absence, first, 1);
             }
         }
         self.computed += 1;

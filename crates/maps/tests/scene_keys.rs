@@ -47,7 +47,6 @@ fn the_table_of_scene_keys_has_those_that_a_scene_takes() {
         ("### `force`\n", scene_with("MODEL", "force = [{ zzz = 1 }]")),
         ("## `[sweep]`\n", scene_with("SWEEP", "zzz = 1")),
         ("### An axis\n", scene_with("AXIS", ", zzz = 1")),
-        ("### `refine`\n", scene_with("SWEEP", "refine = { zzz = 1 }")),
         ("## `[compute]`\n", scene_with("COMPUTE", "zzz = 1")),
     ] {
         // "unknown key `zzz`, expected one of `sites`, `gamma1`, …" tells what is taken there.

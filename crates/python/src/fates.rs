@@ -17,7 +17,7 @@ use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::call::counted;
 use crate::failure::{Failure, named, natural, whole};
-use crate::scenes::{CellsScene, grid, is_of_structure, scene, unrefined};
+use crate::scenes::{CellsScene, grid, is_of_structure, scene};
 use crate::sweep::{NO_WORD, pool, thread_count};
 
 /// The most cells in memory: a gigabyte, and more runs than a machine makes in weeks.
@@ -87,7 +87,6 @@ fn fates_of<'py, S: CellsScene>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let FateRequest { ensemble, from, threads: count, progress } = asked;
     let starts = ensemble.starts;
-    unrefined(&scene)?;
     scene.takes(&ensemble, from).map_err(|error| Failure::request(error.trim_start_matches('-')))?;
     let (cells, scene) = (Grid::cells(&scene), Arc::new(scene));
     if cells > MOST_CELLS {

@@ -12,7 +12,6 @@ use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_maps::sweep::Swept;
 use vibrochain_maps::table::parameters;
 use vibrochain_maps::text::read_text;
 use vibrochain_plot::Mapped;
@@ -20,7 +19,7 @@ use vibrochain_plot::Mapped;
 use crate::failure::Failure;
 
 /// A scene over whose cells Python asks.
-pub(crate) trait CellsScene: Swept + Ensembled + Mapped + 'static {
+pub(crate) trait CellsScene: Grid + Ensembled + Mapped + 'static {
     /// All of it that decides what its map holds, as JSON, with its title.
     fn data(&self) -> String;
 
@@ -101,17 +100,6 @@ pub(crate) fn _scene(path: PathBuf) -> PyResult<String> {
         true => scene::<StructureScene>(None, &path)?.data(),
         false => scene::<Scene>(None, &path)?.data(),
     })
-}
-
-/// Refuses a scene that is refined: its leaves are no array.
-pub(crate) fn unrefined<S: Grid>(scene: &S) -> Result<(), Failure> {
-    match scene.refined() {
-        None => Ok(()),
-        Some(_) => Err(Failure::request(
-            "the leaves of a map that is refined are no array: leave refine out, or write them as a table with `mapgen sweep`, which \
-             pandas reads",
-        )),
-    }
 }
 
 /// What a scene's cells were made of, and its axes, the slowest first.

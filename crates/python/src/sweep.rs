@@ -20,7 +20,7 @@ use vibrochain_maps::table::{Codes, Column, Kind, Numbers, Value};
 
 use crate::call::counted;
 use crate::failure::{Failure, whole};
-use crate::scenes::{CellsScene, grid, is_of_structure, scene, unrefined};
+use crate::scenes::{CellsScene, grid, is_of_structure, scene};
 
 /// The most cells of a map in memory: 3 GB, beyond which tables belong into files.
 const MOST_CELLS: u64 = 100_000_000;
@@ -124,7 +124,6 @@ fn map_of<'py, S: CellsScene>(
     count: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    unrefined(&scene)?;
     scene.is_map().map_err(Failure::from)?;
     let (cells, scene) = (Grid::cells(&scene), Arc::new(scene));
     ensure!(cells <= MOST_CELLS, too_large(cells).into());

@@ -34,8 +34,6 @@ pub enum Command {
     Stripes(StripesArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains (docs/stripes.md).
     Lines(LinesArgs),
-    /// Count what a map that is refined has wrong, against all cells of its finest grid (docs/scenes.md).
-    Refinement(RefinementArgs),
     /// Run one inner loop, whose instructions scripts/instructions.sh counts.
     Loop(LoopArgs),
 }
@@ -144,23 +142,6 @@ pub enum SuiteName {
     Extremes,
     /// Random structures: are errors within the bounds that are told with each number?
     Structures,
-}
-
-/// Arguments of `studies refinement`.
-#[derive(Debug, Args)]
-pub struct RefinementArgs {
-    /// The scene, with `refine`; all cells of its finest grid are computed.
-    #[arg(value_name = "SCENE")]
-    pub scene: PathBuf,
-    /// Points along both axes instead of the scene's.
-    #[arg(long, value_name = "N,N", value_delimiter = ',', num_args = 1..=2)]
-    pub points: Vec<usize>,
-    /// Depth instead of the scene's.
-    #[arg(long, value_name = "N")]
-    pub depth: Option<u32>,
-    /// Threads [default: one a core].
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
 }
 
 /// Arguments of `studies accuracy`.

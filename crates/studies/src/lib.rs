@@ -7,7 +7,6 @@
 // | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
 // | `validate` | closed forms against simulation |
 // | `stripes` | lines on which two modes collide; width and growth of stripes against a law |
-// | `refinement` | maps that are refined against all cells of their finest grid |
 // | `accuracy` | error against run time |
 // | `loops` | inner loops, for a tool that counts their instructions |
 
@@ -18,6 +17,5 @@ pub mod figures;
 mod forms;
 pub mod loops;
 pub mod program;
-pub mod refinement;
 pub mod stripes;
 pub mod validate;

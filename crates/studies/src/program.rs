@@ -7,7 +7,7 @@ use vibrochain_cli::common::console::Console;
 use vibrochain_cli::common::error::CliError;
 
 use crate::args::{Cli, Command};
-use crate::{accuracy, errata, figures, loops, refinement, stripes, validate};
+use crate::{accuracy, errata, figures, loops, stripes, validate};
 
 /// Runs `studies` with `arguments`, the first of which is its own name.
 ///
@@ -21,7 +21,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Accuracy(args) => accuracy::run(args, console),
         Command::Stripes(args) => stripes::run(args, console),
         Command::Lines(args) => stripes::run_lines(args, console),
-        Command::Refinement(args) => refinement::run(args, console),
         Command::Loop(args) => loops::run(args, console),
     }
 }

@@ -1,35 +1,25 @@
 //! The scene of a map, of a chain or of a structure, as the commands take it that compute, draw and merge maps.
 
-use rayon::ThreadPool;
 use serde_json::{Map, Value, json};
 use vibrochain_fate::Sectioned;
-use vibrochain_lattice::{Parameter, Stop};
+use vibrochain_lattice::Parameter;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::{object, scene_parts};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
-use vibrochain_maps::sweep::{Plan, Swept};
 use vibrochain_plot::Mapped;
 
 use crate::args::{PictureArgs, QuantityName};
 use crate::common::error::CliError;
 use crate::common::model::springs;
 use crate::common::pictures::Pictures;
-use crate::sweep::leaves::rows_per_cell;
 
 /// A scene that commands over a map take.
-pub(crate) trait SweptScene: Swept + Sectioned + Mapped + 'static {
+pub(crate) trait SweptScene: Grid + Sectioned + Mapped + 'static {
     /// What a user may not expect of it.
     fn remark(&self) -> Option<&'static str> {
         None
-    }
-
-    /// How many rows a cell has on the average, where a grid is refined.
-    ///
-    /// # Errors
-    /// [`CliError::Interrupted`].
-    fn rows(_: &Plan<Self>, _: &ThreadPool, _: &Stop) -> Result<Option<f64>, CliError> {
-        Ok(None)
     }
 
     /// Pictures of its map.
@@ -49,10 +39,6 @@ impl SweptScene for Scene {
     fn remark(&self) -> Option<&'static str> {
         let gamma2 = self.point(self.cells() - 1).get(Parameter::Gamma2);
         springs(&self.base.layout, gamma2)
-    }
-
-    fn rows(plan: &Plan, pool: &ThreadPool, stop: &Stop) -> Result<Option<f64>, CliError> {
-        plan.scene.refine.map(|_| rows_per_cell(plan, pool, stop)).transpose()
     }
 
     fn pictures(&self, wanted: &PictureArgs, show: QuantityName) -> Result<Pictures<Self>, CliError> {

@@ -1,7 +1,7 @@
 //! `mapgen sweep --dry-run`: what a sweep will cost, from a few of its cells.
 
 use std::fmt::Write as _;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
@@ -9,11 +9,24 @@ use vibrochain_lattice::Stop;
 use crate::common::error::CliError;
 use crate::common::swept_scene::SweptScene;
 use crate::common::threads::cores;
-use crate::sweep::leaves::{PATIENCE, SAMPLE, place};
-use crate::sweep::report::{grid, points};
+use crate::sweep::report::grid;
 use vibrochain_maps::sweep::{Plan, Shard};
 use vibrochain_maps::table::{Table, header};
 use vibrochain_maps::text::duration;
+
+/// The most cells computed for an estimate.
+const SAMPLE: u64 = 400;
+
+/// The longest it may take, if a single cell does not.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Fractional part of the golden ratio: its multiples spread evenly, and in step with no axis.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// The place of cell number `i` of the sample, from 0 to 1.
+fn place(i: u64) -> f64 {
+    ((i as f64 + 0.5) * GOLDEN).fract()
+}
 
 /// Time and size of a few cells.
 struct Sample {
@@ -59,7 +72,6 @@ pub(crate) fn estimate<S: SweptScene>(
 ) -> Result<String, CliError> {
     let threads = pool.current_num_threads();
     let sample = sample(plan, stop)?;
-    let rows = S::rows(plan, pool, stop)?.unwrap_or(1.0);
     let (cells, chunks) = (plan.cells(), plan.chunks());
     let (per_cell, per_row) = (sample.seconds / sample.cells as f64, sample.bytes as f64 / sample.cells as f64);
     let mut text = String::new();
@@ -68,10 +80,6 @@ pub(crate) fn estimate<S: SweptScene>(
         let _ = writeln!(text, "{name:<8} {value}");
     };
     line("cells", format!("{cells} ({})", grid(&plan.scene)));
-    if let Some(refined) = plan.scene.refined() {
-        let (leaves, finest) = ((rows * cells as f64).round(), points(&refined.grid));
-        line("leaves", format!("about {leaves:.1e}, {rows:.1} a cell, for {finest} cells"));
-    }
     line("chunks", format!("{chunks} of {} cells", plan.chunk_cells.min(cells)));
     line("columns", header(&plan.scene).trim_end().replace(',', ", "));
     let of_shard: u64 = shard.chunks(plan).map(|chunk| plan.range(chunk).count() as u64).sum();
@@ -79,7 +87,7 @@ pub(crate) fn estimate<S: SweptScene>(
         let Shard { index, count } = shard;
         line("shard", format!("{index}/{count}: {} chunks, {of_shard} cells", shard.chunks(plan).count()));
     }
-    let wall = per_cell * rows * of_shard as f64 / threads.min(cores()) as f64;
+    let wall = per_cell * of_shard as f64 / threads.min(cores()) as f64;
     line(
         "time",
         format!(
@@ -89,7 +97,7 @@ pub(crate) fn estimate<S: SweptScene>(
             per_cell
         ),
     );
-    let bytes = per_row * rows * cells as f64;
+    let bytes = per_row * cells as f64;
     line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
     line("sample", format!("{} cells in {:.3} s", sample.cells, sample.seconds));
     Ok(text)

@@ -2,7 +2,6 @@
 
 pub mod draw;
 pub(crate) mod estimate;
-pub(crate) mod leaves;
 pub mod merge;
 pub(crate) mod report;
 

@@ -4,7 +4,7 @@ use crate::common::threads::cores;
 use vibrochain_floquet::Tolerance;
 use vibrochain_maps::absence::Absence;
 use vibrochain_maps::cell::{Class, Status};
-use vibrochain_maps::grid::{Grid, Refined};
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::obstructions::Obstructed;
 use vibrochain_maps::scene::Axis;
@@ -33,15 +33,9 @@ pub(crate) fn points(counts: &[usize]) -> String {
     counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ")
 }
 
-/// What a table has: its cells, or its leaves where the grid is refined.
+/// What a table has.
 pub(crate) fn size<S: Grid>(scene: &S, summary: &Summary) -> String {
-    let cells = summary.cells();
-    let Some(Refined { grid: finest, .. }) = scene.refined() else {
-        return format!("{} ({})", counted(cells, "cell"), grid(scene));
-    };
-    let (leaves, coarse, fine) = (summary.computed, grid(scene), points(&finest));
-    let times = scene.cells_within().ilog2() / 2;
-    format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {times} times)")
+    format!("{} ({})", counted(summary.cells(), "cell"), grid(scene))
 }
 
 /// The summary of a finished table.
@@ -72,7 +66,6 @@ pub(crate) fn report<S: Grid>(scene: &S, summary: &Summary, effort: Option<&Effo
     }
     lines.extend(effort.map(speed));
     lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
-    lines.extend(scene.refined().map(|refined| format!("may have missed: {}", refined.may_miss)));
     lines.join("\n")
 }
 

@@ -63,12 +63,6 @@ fn answers(dir: &TestDir) -> Vec<(&'static str, Value)> {
     answers.push(("curves", told("curves scene.toml --json")));
     dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     answers.push(("manifest", dir.json("map.manifest.json")));
-    let refined = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nrefine = { depth = 1 }\n\
-        x = { parameter = \"omega\", from = 0.8, to = 1.2, points = 4 }\n\
-        y = { parameter = \"gamma2\", from = 0.1, to = 0.2, points = 3 }\n[compute]\nfamilies = [\"single-sided\"]\n";
-    std::fs::write(dir.path("refined.toml"), refined).unwrap();
-    dir.run("sweep refined.toml --out refined.csv --quiet").with(0, &[]);
-    answers.push(("manifest", dir.json("refined.manifest.json")));
     dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     answers.push(("plan", dir.json("parts/plan.json")));
     for text in SCENES {
@@ -148,9 +142,7 @@ pub(crate) fn places(value: &Value) -> Vec<String> {
 }
 
 /// Keys without which an answer is one, too.
-const MAY_BE_MISSING: [&str; 14] = [
-    "refine",
-    "refinement",
+const MAY_BE_MISSING: [&str; 12] = [
     // Of one layer, of a ring, of a word, of what was searched.
     "layer",
     "ends",

@@ -86,12 +86,10 @@ fn columns() -> Names {
     let dir = TestDir::with_scene(SCENE);
     fs::write(dir.path("other.toml"), OTHER).unwrap();
     fs::write(dir.path("damped.toml"), DAMPED).unwrap();
-    fs::write(dir.path("refined.toml"), SCENE.replace("[compute]", "refine = { depth = 1 }\n[compute]")).unwrap();
     let mut commands = vec![
         "sweep other.toml --out table".to_owned(),
         "sweep damped.toml --out table".to_owned(),
         "sweep scene.toml --out table".to_owned(),
-        "sweep refined.toml --out table".to_owned(),
         "curves scene.toml --csv table --points more".to_owned(),
         format!("orbit {ORBIT} --multipliers table"),
         format!("simulate {layered} --periods 1 --impacts table --trajectory more"),

@@ -6,5 +6,4 @@ mod axes;
 mod chunks;
 mod columnar;
 mod compressed;
-mod refined;
 mod shards;

@@ -7,7 +7,6 @@
 //! | `internal` | [`InternalMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
-//! | `order` | [`SignatureOrder`]: whether there is a stripe between two orbits of any word |
 //! | `passing` | [`passings`]: which pairs meet from one point to the next |
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
 //! | `stripe`, `finder` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
@@ -34,7 +33,6 @@ mod dressed;
 mod finder;
 mod form;
 mod internal;
-mod order;
 mod passing;
 mod pencil;
 mod place;
@@ -47,7 +45,6 @@ pub use collision::Collision;
 pub use dressed::DressedModes;
 pub use finder::StripeFinder;
 pub use internal::InternalMode;
-pub use order::{OrderFinder, SignatureOrder};
 pub use passing::{Passing, passings};
 pub use row::StripeRow;
 pub use signature::{Signature, bare_signature, signature};

@@ -6,9 +6,9 @@ use vibrochain_floquet::StripeFinder;
 use vibrochain_lattice::{Parameter, Stop};
 
 use super::lanes::{Lane, Liner, Row};
-use super::part::{ClassProbe, Part, parts};
+use super::part::{ClassProbe, Part};
 use crate::regions::Window;
-use crate::scene::{Scene, Values};
+use crate::scene::Scene;
 
 /// Rows in which stripes are looked for by themselves, and points of one.
 const ROWS: usize = 16;
@@ -88,33 +88,5 @@ impl Courses<'_> {
             unresolved.extend(row.unresolved.iter().map(|&range| (row.y, range)));
         }
         (lanes, unresolved)
-    }
-}
-
-/// A stripe of instability through the window of a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StripeCourse {
-    /// Whose it is: single- or double-sided breathers'.
-    pub family: Family,
-    /// Along y, rising, in parts of the window's sides: where, and both edges along x there.
-    pub points: Vec<(f64, [f64; 2])>,
-}
-
-impl StripeCourse {
-    /// Those of all breathers of a scene, if they have such stripes: conservative ones, over two equally spaced axes. A straight line
-    /// between neighbouring points is at most `tolerance` from the edge, as a part of the window's sides. If `stop` is raised there are
-    /// fewer. Threads are those of the pool of `rayon` that this is called in, the answer is the same on any number of them.
-    #[must_use]
-    pub fn all(scene: &Scene, tolerance: f64, stop: &Stop) -> Vec<Self> {
-        let linear = scene.axes.iter().all(|axis| matches!(axis.values, Values::Linear { .. }));
-        let Some(window) = Window::of(scene).ok().filter(|_| linear) else { return Vec::new() };
-        let mut all = Vec::new();
-        for part in &parts(&scene.task) {
-            let Some(family) = striped(scene, part) else { continue };
-            let (lanes, _) = Courses { scene, window, part, family, tolerance, stop }.lanes(&|_, _| {});
-            let points = |lane: &Lane| lane.points.iter().map(|point| (point.y, point.edges)).collect();
-            all.extend(lanes.iter().map(|lane| Self { family, points: points(lane) }));
-        }
-        all
     }
 }

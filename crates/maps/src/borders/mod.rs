@@ -34,4 +34,3 @@ mod search;
 
 pub use asked::{BorderRequest, Stage};
 pub use border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
-pub use courses::StripeCourse;

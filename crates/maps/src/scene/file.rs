@@ -149,14 +149,6 @@ pub(super) struct SweepTable {
     /// Further ones, each slower than the one before it.
     #[serde(default)]
     pub(super) axes: Vec<Spanned<AxisTable>>,
-    /// How the grid is refined.
-    pub(super) refine: Option<Spanned<RefineTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RefineTable {
-    pub(super) depth: Spanned<i64>,
 }
 
 impl SweepTable {

@@ -4,9 +4,7 @@ mod axis;
 mod compute;
 mod data;
 mod file;
-mod finest;
 mod given;
-mod refine;
 mod slice;
 mod source;
 
@@ -15,7 +13,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use toml::Spanned;
-use vibrochain_floquet::{OrderFinder, Tolerance};
+use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 
 pub(crate) use crate::scene::axis::AxisTable;
@@ -25,7 +23,6 @@ pub(crate) use crate::scene::data::Places;
 pub(crate) use crate::scene::file::ModelTable;
 pub use crate::scene::file::{MAX_BYTES, damped_keys};
 pub use crate::scene::given::Given;
-pub use crate::scene::refine::Refine;
 pub use crate::scene::slice::Slice;
 pub use crate::scene::source::Source;
 pub(crate) use crate::scene::source::is_json;
@@ -48,8 +45,6 @@ pub struct Scene {
     pub base: Point,
     /// The axes, the fastest first; each parameter once.
     pub axes: Vec<Axis>,
-    /// How the grid is refined, if it is; the points of the axes are then those of the grid that is.
-    pub refine: Option<Refine>,
     /// What to compute.
     pub task: Task,
 }
@@ -115,10 +110,6 @@ impl Scene {
             let message = format!("the axes have more than {MAX_CELLS} cells together: give fewer points");
             return Err(source.error(sweep.span(), message));
         }
-        let refine = sweep.get_ref().refine.as_ref();
-        let refine = refine
-            .map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), source))
-            .transpose()?;
         let mut base = Point::of(layout);
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();
@@ -190,25 +181,13 @@ impl Scene {
         let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
         let anywhere = anywhere.model().map_err(|error| source.error(file.model.span(), error))?;
         let task = source.task(compute, &anywhere)?;
-        let scene = Self { title: file.title, base, axes, refine, task };
+        let scene = Self { title: file.title, base, axes, task };
         if let Some(span) = compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions
             && !scene.is_conservative()
         {
             let message = "collisions are told of conservative orbits only: remove the force, or collisions";
             return Err(source.error(span, message));
-        }
-        let masses = scene.base.sites();
-        if let Some(table) = sweep.get_ref().refine.as_ref()
-            && scene.follows_orders()
-            && masses > OrderFinder::MOST_MASSES
-        {
-            let message = format!(
-                "refine finds thin stripes of impact words on {} masses at most, here are {masses}: leave refine out, or allow some excess \
-                 by threshold in [compute]",
-                OrderFinder::MOST_MASSES
-            );
-            return Err(source.error(table.span(), message));
         }
         Ok(scene)
     }

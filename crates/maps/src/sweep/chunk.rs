@@ -241,7 +241,7 @@ pub(super) fn read<S: Grid, E: From<Fault>>(
     match (found, read_summary(&tail.summary)) {
         (Some(other), _) if other != chunk => Err(Fault::Misplaced(other).into()),
         (None, _) => Err(Fault::Foreign.into()),
-        (_, Some(summary)) if summary.cells() == (range.end - range.start) * plan.scene.cells_within() => Ok(summary),
+        (_, Some(summary)) if summary.cells() == range.end - range.start => Ok(summary),
         _ => Err(damaged("its counts are wrong").into()),
     }
 }

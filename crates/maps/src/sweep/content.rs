@@ -4,13 +4,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::engine::{Block, Ended, Job, blocks};
-use super::leaves::leaves;
-use super::refiner::RefineContext;
-use crate::cell::Cell;
 use crate::error::MapError;
 use crate::grid::Grid;
-use crate::scene::Scene;
-use crate::structure::StructureScene;
 use crate::summary::Summary;
 use crate::table::{Layout, Reader, RowWriter, Rows, TableFile, Value, header};
 
@@ -89,60 +84,11 @@ pub trait ReadRows<T> {
     fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
 }
 
-/// A scene whose map is swept.
-pub trait Swept: Grid {
-    /// As [`Content::compute`].
-    fn cells_of(
-        job: &Job<'_, Self>,
-        parts: &[Range<u64>],
-        wanted: bool,
-        tick: &(dyn Fn(u64) + Sync),
-        sink: Sink<'_, Self::Cell>,
-    ) -> Ended<MapError> {
-        whole_cells(job, parts, wanted, tick, sink)
-    }
-}
-
-fn whole_cells<S: Grid>(
-    job: &Job<'_, S>,
-    parts: &[Range<u64>],
-    wanted: bool,
-    tick: &(dyn Fn(u64) + Sync),
-    sink: Sink<'_, S::Cell>,
-) -> Ended<MapError> {
-    let writer = RowWriter::new(job.scene, wanted);
-    let digest = |range: Range<u64>, cells: &[S::Cell]| {
-        tick(range.end - range.start);
-        writer.rows(range, cells)
-    };
-    blocks(job, parts, digest, sink)
-}
-
-impl Swept for StructureScene {}
-
-impl Swept for Scene {
-    /// A cell of a grid that is refined has leaves.
-    fn cells_of(
-        job: &Job<'_>,
-        parts: &[Range<u64>],
-        wanted: bool,
-        tick: &(dyn Fn(u64) + Sync),
-        sink: Sink<'_, Cell>,
-    ) -> Ended<MapError> {
-        let Some(context) = RefineContext::new(job) else { return whole_cells(job, parts, wanted, tick, sink) };
-        let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
-            tick(range.end - range.start);
-            Rows::of_leaves(job.scene, range, leaves, wanted)
-        };
-        leaves(job, &context, parts, digest, sink)
-    }
-}
-
-/// The content of a sweep's table: a row a cell, or a row a leaf where the grid is refined.
+/// The content of a sweep's table: a row a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Cells;
 
-impl<S: Swept> Content<S> for Cells {
+impl<S: Grid> Content<S> for Cells {
     type Item = S::Cell;
     type Layout = Layout<S>;
     type Reader<'a>
@@ -169,8 +115,7 @@ impl<S: Swept> Content<S> for Cells {
         number: u64,
         cell: &S::Cell,
     ) -> Result<(), MapError> {
-        let leaf = scene.shown(cell).extent;
-        let point = leaf.map_or_else(|| scene.point(number), |leaf| scene.sample(number, leaf));
+        let point = scene.point(number);
         let places = layout.places.iter().map(|place| Some(Value::Number(S::value(&point, *place))));
         table.row(places.chain(layout.columns.iter().map(|column| (column.get)(cell))))
     }
@@ -183,7 +128,12 @@ impl<S: Swept> Content<S> for Cells {
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, S::Cell>,
     ) -> Ended<MapError> {
-        S::cells_of(job, parts, wanted, tick, sink)
+        let writer = RowWriter::new(job.scene, wanted);
+        let digest = |range: Range<u64>, cells: &[S::Cell]| {
+            tick(range.end - range.start);
+            writer.rows(range, cells)
+        };
+        blocks(job, parts, digest, sink)
     }
 
     fn reader<'a>(&self, scene: &'a S, cells: Range<u64>) -> Reader<'a, S> {

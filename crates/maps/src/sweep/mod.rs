@@ -3,10 +3,6 @@
 //! | module | holds |
 //! |---|---|
 //! | `engine` | cells on many threads, handed on in order |
-//! | `refiner`, `leaves` | cells of a grid that is refined, and their leaves on many threads |
-//! | `tiles` | what a thread knows of such cells |
-//! | `covered` | which cells lie in thin stripes |
-//! | `orders` | cells together with the orders of their signatures |
 //! | `plan` | how a scene is cut into chunks, and what tells two sweeps apart |
 //! | `chunk` | the file of one chunk |
 //! | `store` | the folder of chunks |
@@ -18,22 +14,16 @@
 mod assemble;
 mod chunk;
 mod content;
-mod covered;
 mod engine;
-mod leaves;
-mod orders;
 mod plan;
-mod refiner;
 mod shard;
 mod store;
-mod tiles;
 mod work;
 
 pub use assemble::{Assembly, Unassembled, Watcher};
 pub use chunk::{Fault, Writer};
-pub use content::{Cells, Content, ReadRows, Sink, Swept};
+pub use content::{Cells, Content, ReadRows, Sink};
 pub use engine::{Block, Ended, Job, blocks, sweep};
-pub use leaves::refined;
 pub use plan::{Plan, Settings};
 pub use shard::{Shard, ShardFlag};
 pub use store::{Claim, Store};

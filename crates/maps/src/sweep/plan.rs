@@ -142,11 +142,6 @@ impl<S: Grid> Plan<S> {
             }
             scene.set_tolerance(tolerance_from(threshold)?);
         }
-        ensure!(
-            scene.refined().is_none() || ensemble.is_none(),
-            "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
-            scene_file.display()
-        );
         let (ensemble, chunk_cells) = match ensemble {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
             None => (None, scene.chunk_cells().max(least_cells(&scene))),

@@ -4,7 +4,6 @@ use vibrochain_floquet::{Collision, Mechanism};
 use vibrochain_lattice::Parameter;
 
 use crate::cell::{Cell, Class, Status, Task};
-use crate::extent::Extent;
 use crate::scene::Scene;
 
 /// A value of a cell in a table.
@@ -168,20 +167,6 @@ const COLLISION: [Column; 3] = [
 /// A further column where it is asked for.
 const IMPULSE: [Column; 1] = [number!("impulse", cell => cell.impulse, cell.impulse)];
 
-/// Further columns where the grid is refined: what a leaf stands for.
-const EXTENT: [Column; 3] = [
-    count!("cell_column", false, extent.column),
-    count!("cell_row", false, extent.row),
-    count!("cell_size", false, extent.size),
-];
-
-fn extent(cell: &mut Cell, value: Value<'_>, place: fn(&mut Extent) -> &mut u32) -> Option<()> {
-    let Value::Count(count) = value else { return None };
-    let nothing = Extent { column: 0, row: 0, size: 0 };
-    *place(cell.extent.get_or_insert(nothing)) = u32::try_from(count).ok()?;
-    Some(())
-}
-
 fn number(place: &mut Option<f64>, value: Value<'_>) -> Option<()> {
     let Value::Number(number) = value else { return None };
     *place = Some(number);
@@ -211,8 +196,6 @@ pub fn parameters(scene: &Scene) -> Vec<Parameter> {
 pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
     let Task { impulse, collisions, .. } = scene.task;
     let further = IMPULSE.into_iter().filter(move |_| impulse);
-    let refined = scene.refine.is_some();
     let found = [CLASS].into_iter().chain(common()).chain(further);
-    let found = found.chain(COLLISION.into_iter().filter(move |_| collisions));
-    found.chain(EXTENT.into_iter().filter(move |_| refined))
+    found.chain(COLLISION.into_iter().filter(move |_| collisions))
 }

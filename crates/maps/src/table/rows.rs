@@ -6,7 +6,6 @@ use std::ops::Range;
 use super::columns::{Column, Value};
 use super::fields::{Layout, push_text, split};
 use crate::cell::Cell;
-use crate::extent::Extent;
 use crate::grid::Grid;
 use crate::lines::Lines;
 use crate::numbers::Number;
@@ -32,33 +31,10 @@ pub fn header<S: Grid>(scene: &S) -> String {
 pub struct Rows<T = Cell> {
     /// The numbers of the cells.
     pub range: Range<u64>,
-    /// The cells, or what else is known of each, by their numbers: where a grid is refined, the leaves of each. None if only the text is
-    /// wanted.
+    /// The cells, or what else is known of each, by their numbers. None if only the text is wanted.
     pub cells: Vec<(u64, T)>,
     /// Their rows.
     pub text: Vec<u8>,
-}
-
-impl Rows<Cell> {
-    /// Of all leaves of the cells numbered `range`, which are kept if anybody wants them.
-    #[must_use]
-    pub fn of_leaves(scene: &Scene, range: Range<u64>, mut leaves: Vec<(u64, Cell)>, keep: bool) -> Self {
-        let mut table = Table::new(scene);
-        table.text.reserve(ROW * leaves.len());
-        let (finest, mut point) = (scene.finest(), scene.base);
-        for (number, cell) in &leaves {
-            match cell.extent {
-                // Two values change from leaf to leaf: a point made anew is more work than its digits.
-                Some(extent) => finest.set(&mut point, extent.sample()),
-                None => point = scene.point(*number),
-            }
-            table.write(&point, cell);
-        }
-        if !keep {
-            leaves = Vec::new();
-        }
-        Self { range, cells: leaves, text: table.text }
-    }
 }
 
 /// The parameters of cells that follow each other, in digits.
@@ -168,8 +144,6 @@ pub struct Reader<'a, S: Grid = Scene> {
     scene: &'a S,
     cells: Range<u64>,
     next: u64,
-    /// Cells of the finest grid, of the next one, that rows have been read of.
-    within: u64,
     places: Places<S>,
     columns: Vec<Column<S::Cell>>,
     lines: Lines,
@@ -181,7 +155,7 @@ impl<'a, S: Grid> Reader<'a, S> {
     pub fn new(scene: &'a S, cells: Range<u64>) -> Self {
         let (next, places) = (cells.start, Places::new(scene));
         let columns = scene.columns();
-        Self { scene, cells, next, within: 0, places, columns, lines: Lines::default(), counts: Summary::default() }
+        Self { scene, cells, next, places, columns, lines: Lines::default(), counts: Summary::default() }
     }
 
     /// Reads the rows in `bytes`, which may end anywhere, and hands each cell with its number to `each`. What a table does not
@@ -190,31 +164,20 @@ impl<'a, S: Grid> Reader<'a, S> {
     /// # Errors
     /// What is wrong with the first row that is not as it must be.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(u64, &S::Cell)) -> Result<(), String> {
-        let Self { scene, cells, next, within, places, columns, lines, counts } = self;
+        let Self { scene, cells, next, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
             let number = counts.computed + 1;
             ensure!(cells.contains(next), "it has more rows than its {} cells", cells.end - cells.start);
             let mut read = || {
                 let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
                 let mut fields = split(row);
-                let Some(whole) = scene.extent(*next) else {
-                    check_places(&mut fields, places.of(&scene.point(*next), None))?;
-                    return read_cell(fields, columns, S::untold());
-                };
-                let mut of_row = fields.clone();
-                let cell = read_cell(fields.skip(places.parameters.len()), columns, S::untold())?;
-                let extent = scene.shown(&cell).extent.filter(|extent| extent.begins(whole, *within));
-                let extent = extent.ok_or("it is not of the next leaf")?;
-                check_places(&mut of_row, places.of(&scene.sample(*next, extent), None)).map(|()| cell)
+                check_places(&mut fields, places.of(&scene.point(*next), None))?;
+                read_cell(fields, columns, S::untold())
             };
             let cell = read().map_err(|wrong| format!("row {number}: {wrong}"))?;
-            let shown = scene.shown(&cell);
-            counts.count(&shown);
+            counts.count(&scene.shown(&cell));
             each(*next, &cell);
-            *within += shown.extent.map_or(1, Extent::cells);
-            if *within >= scene.cells_within() {
-                (*next, *within) = (*next + 1, 0);
-            }
+            *next += 1;
             Ok(())
         })
     }

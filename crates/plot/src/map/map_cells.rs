@@ -3,10 +3,8 @@
 //! Of more than thousands along an axis a few share a place, and none of them is left out, or a stripe one cell wide would be there or
 //! not as its column happens to be. Classes have their shares of the place; of a number the one that stands out is kept.
 
-use std::ops::Range;
 
 use vibrochain_maps::cell::Cell;
-use vibrochain_maps::extent::Extent;
 use vibrochain_maps::scene::Values;
 
 use crate::backend::drawing::Rgb;
@@ -67,13 +65,13 @@ const KINDS: usize = 4;
 const UNSEEN: u8 = u8::MAX;
 
 impl Mix {
-    fn add(&mut self, tile: u8, cells: usize) {
+    fn add(&mut self, tile: u8) {
         let free = |i: &usize| self.cells[*i] == 0 || self.tiles[*i] == tile;
         let i = (0..KINDS).find(free).unwrap_or(KINDS - 1);
         if self.cells[i] == 0 {
             self.tiles[i] = tile;
         }
-        self.cells[i] = self.cells[i].saturating_add(u16::try_from(cells).unwrap_or(u16::MAX));
+        self.cells[i] = self.cells[i].saturating_add(1);
     }
 
     /// The tiles with their shares of the place.
@@ -126,50 +124,35 @@ impl MapCells {
 
     /// Takes cell number `number` of the scene.
     pub fn cell(&mut self, number: u64, cell: &Cell) {
-        self.put(self.square(number), || Tile::from(cell), |quantity| quantity.shade(cell));
+        self.put(number, || Tile::from(cell), |quantity| quantity.shade(cell));
     }
 
     /// The same, of which the tile is known alone.
     pub fn tile(&mut self, number: u64, tile: Tile) {
-        self.put(self.square(number), || tile, |_| Shade::Unknown);
+        self.put(number, || tile, |_| Shade::Unknown);
     }
 
-    /// Takes a cell that stands for all of a square.
-    pub fn square_of(&mut self, extent: Extent, cell: &Cell) {
-        self.put(extent, || Tile::from(cell), |quantity| quantity.shade(cell));
-    }
-
-    fn square(&self, number: u64) -> Extent {
-        let columns = self.points[0].max(1) as u64;
-        let [column, row] = [number % columns, number / columns].map(|place| place as u32);
-        Extent { column, row, size: 1 }
-    }
-
-    fn put(&mut self, square: Extent, tile: impl FnOnce() -> Tile, shade: impl FnOnce(Quantity) -> Shade) {
+    fn put(&mut self, cell: u64, tile: impl FnOnce() -> Tile, shade: impl FnOnce(Quantity) -> Shade) {
+        let wide = self.points[0].max(1);
+        let (column, row) = (cell as usize % wide, cell as usize / wide);
+        if row >= self.points[1] {
+            return;
+        }
         let all = self.places[0] * self.places[1];
-        let within = |first: u32, i: usize| {
-            let first = first as usize;
-            shared(first..(first + square.size as usize).min(self.points[i]), self.sharing[i])
-        };
-        let (columns, rows) = (within(square.column, 0), within(square.row, 1));
-        let wide = self.places[0];
-        let places = rows.flat_map(|(row, high)| columns.clone().map(move |(column, wide)| (column, row, wide * high)));
-        let places = places.map(|(column, row, cells)| (row * wide + column, cells));
+        let [x, y] = self.sharing.map(|sharing| sharing.max(1));
+        let place = row / y * self.places[0] + column / x;
         match &mut self.kept {
             Kept::Tiles(known, kept) => {
                 kept.resize(all, UNSEEN);
-                let tile = number(known, tile());
-                places.for_each(|(place, _)| kept[place] = tile);
+                kept[place] = number(known, tile());
             }
             Kept::Mixed(known, kept) => {
                 kept.resize(all, Mix::default());
-                let tile = number(known, tile());
-                places.for_each(|(place, cells)| kept[place].add(tile, cells));
+                kept[place].add(number(known, tile()));
             }
             Kept::Numbers(quantity, kept) => {
                 kept.resize(all, Shade::Nothing);
-                let shade = shade(*quantity);
-                places.for_each(|(place, _)| kept[place] = quantity.outstanding(kept[place], shade));
+                kept[place] = quantity.outstanding(kept[place], shade(*quantity));
             }
         }
     }
@@ -220,15 +203,6 @@ impl MapCells {
             }
         }
     }
-}
-
-/// The places of some cells along an axis of which so many share one, each with how many of them it has.
-fn shared(cells: Range<usize>, sharing: usize) -> impl Iterator<Item = (usize, usize)> + Clone {
-    let sharing = sharing.max(1);
-    (cells.start / sharing..cells.end.div_ceil(sharing)).map(move |place| {
-        let (first, end) = ((place * sharing).max(cells.start), ((place + 1) * sharing).min(cells.end));
-        (place, end.saturating_sub(first))
-    })
 }
 
 #[cfg(test)]
@@ -322,55 +296,14 @@ mod tests {
         assert_eq!(Quantity::Margin.outstanding(unknown, Shade::Number(0.0)), Shade::Number(0.0));
     }
 
-    /// Squares of any size leave what all their cells would, one by one.
-    #[test]
-    fn squares_are_all_of_their_cells() {
-        let tiles = [EMPTY, STABLE, UNSTABLE];
-        let mut compared = 0;
-        for columns in [12_800_u32, 640] {
-            let scene = scene(columns as usize, 64);
-            let mut squares = Vec::new();
-            for first in (0..columns).step_by(64) {
-                let size = [64, 16, 4, 1][(first / 64 % 4) as usize];
-                for (row, column) in (0..64).step_by(size).flat_map(|row| (0..64).step_by(size).map(move |i| (row, i)))
-                {
-                    let tile = tiles[(7 * row + 5 * column + first as usize / 64) / 3 % 3];
-                    squares.push((Extent { column: first + column as u32, row: row as u32, size: size as u32 }, tile));
-                }
-            }
-            let (mut whole, mut single) = (MapCells::classes(&scene), MapCells::classes(&scene));
-            for (extent, tile) in &squares {
-                whole.put(*extent, || *tile, |_| Shade::Unknown);
-                for (row, column) in (0..extent.size).flat_map(|row| (0..extent.size).map(move |i| (row, i))) {
-                    let (row, column) = (extent.row + row, extent.column + column);
-                    single.tile(u64::from(row) * u64::from(columns) + u64::from(column), *tile);
-                }
-            }
-            let [wide, high] = whole.places;
-            assert_eq!(whole.sharing, [if columns == 640 { 1 } else { 3 }, 1]);
-            for place in 0..wide * high {
-                let of = |shown: &MapCells| {
-                    let mut all: Vec<(Rgb, f32)> = Vec::new();
-                    shown.colours(place, [0; 2], Palette::Colour, None, |colour, share| all.push((colour, share)));
-                    all.sort_by_key(|(colour, _)| *colour);
-                    all
-                };
-                let found = of(&whole);
-                assert_eq!(found, of(&single));
-                assert!((found.iter().map(|(_, share)| share).sum::<f32>() - 1.0).abs() < 1e-6);
-                compared += 1;
-            }
-        }
-        assert!(compared > 300_000, "{compared}");
-    }
-
     #[test]
     fn a_place_has_four_kinds_and_a_fifth_counts_as_the_last() {
         let mut mix = Mix::default();
-        [3, 1, 3, 2, 7, 9, 9].into_iter().for_each(|tile| mix.add(tile, 2));
-        assert_eq!((mix.tiles, mix.cells), ([3, 1, 2, 7], [4, 2, 2, 6]));
+        [3, 1, 3, 2, 7, 9, 9].into_iter().for_each(|tile| mix.add(tile));
+        assert_eq!((mix.tiles, mix.cells), ([3, 1, 2, 7], [2, 1, 1, 3]));
         assert_eq!(mix.shares().map(|(_, share)| share).sum::<f32>(), 1.0);
-        mix.add(1, 1 << 20);
+        mix.cells[1] = u16::MAX;
+        mix.add(1);
         assert_eq!(mix.cells[1], u16::MAX);
     }
 

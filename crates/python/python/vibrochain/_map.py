@@ -135,8 +135,7 @@ def sweep(
     FileNotFoundError
         If there is no such file.
     RequestError
-        For a scene that is wrong, where the message points at the line; for one that is refined, whose leaves are no array:
-        ``mapgen sweep`` writes them as a table.
+        For a scene that is wrong, where the message points at the line.
     TooLargeError
         For more than 100 million cells: those belong into a file.
     KeyboardInterrupt

@@ -113,10 +113,7 @@ impl Pictures<Scene> {
         if wanted.files().next().is_none() {
             return Self::of(wanted, show, (scene, DrawnScene::Slice(Box::new(Slice::of(scene, &[])?))));
         }
-        if scene.refine.is_some() && !wanted.slice.is_empty() {
-            return Err(refused("--slice is of grids, a map that is refined is drawn whole: leave it out".to_owned()));
-        }
-        let slice = slice(wanted, &scene.finest())?;
+        let slice = slice(wanted, scene)?;
         if wanted.curves {
             if let [_] = slice.scene().axes.as_slice() {
                 let axis = slice.scene().axis_names();
@@ -256,16 +253,14 @@ impl<S: Grid> Watcher<S::Cell> for Pictures<S> {
             return;
         }
         let cell = self.whole.shown(cell);
-        match (&mut self.seen, cell.extent, self.scene.cell(number)) {
-            // A map that is refined is drawn whole.
-            (Seen::Map(shown), Some(extent), _) => shown.square_of(extent, &cell),
-            (Seen::Map(shown), None, Some(number)) => shown.cell(number, &cell),
-            (Seen::Cells(cells), _, Some(number)) => {
+        let Some(number) = self.scene.cell(number) else { return };
+        match &mut self.seen {
+            Seen::Map(shown) => shown.cell(number, &cell),
+            Seen::Cells(cells) => {
                 if self.scene.axis().is_some_and(|axis| is_shown(axis, number)) {
                     cells.push(cell);
                 }
             }
-            (_, _, None) => {}
         }
     }
 }
