@@ -126,6 +126,7 @@ impl Tally {
         let grazes = |margin: Option<f64>| margin.is_some_and(|margin| margin.abs() < 1e-9);
         if !grazes(one.margin) && !grazes(two.margin) {
             assert_eq!(one.is_physical(), two.is_physical(), "{what}: {one:?} {two:?}");
+            assert_eq!(one.margin.is_some(), two.margin.is_some(), "{what}: {one:?} {two:?}");
             if let [Some(a), Some(b)] = [one.margin, two.margin] {
                 assert!((a - b).abs() < (1e-9 + 100.0 * rounded) * (1.0 + a.abs()), "{what}: {one:?} {two:?}");
             }

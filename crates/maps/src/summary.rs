@@ -50,7 +50,7 @@ impl Summary {
         if let Some(absence) = cell.absence {
             self.absences[absence as usize] += 1;
             if let Some(first) = cell.obstruction {
-                self.obstructions.count(absence, first, 1);
+                self.obstructions.count(absence, first);
             }
         }
         self.computed += 1;

@@ -2,6 +2,8 @@
 //! circle between events, orbits in many digits, and a simulated return map.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
+use std::sync::LazyLock;
+
 use vibrochain_breather::{Family, Finder, OrbitList, Scope, breathers};
 use vibrochain_floquet::{Analyser, Course, Diagram, End, Event, Evidence, FollowedBranch, Search, Tolerance};
 use vibrochain_floquet::{diagram, locate};
@@ -173,11 +175,12 @@ fn model_of_the_errata(amplitude: f64) -> Model {
     ring.omega(1.07).asymmetry(0.8).amplitude(amplitude).restitution(0.25).model().unwrap()
 }
 
-fn diagram_of_the_errata() -> Diagram {
+/// Worked out once, for all tests that look at it.
+static DIAGRAM_OF_THE_ERRATA: LazyLock<Diagram> = LazyLock::new(|| {
     let orbit = &breathers(&model_of_the_errata(0.165), Family::SingleSided).unwrap().orbits[0];
     let course = Course { from: 0.15, to: 0.17, generations: 4, ..Course::new(orbit, Parameter::Amplitude) };
     diagram(orbit, &course).unwrap()
-}
+});
 
 fn has(branch: &FollowedBranch, event: Event, value: f64, digits: f64) -> bool {
     branch.events().any(|found| found.event == event && (found.value - value).abs() < digits)
@@ -185,7 +188,7 @@ fn has(branch: &FollowedBranch, event: Event, value: f64, digits: f64) -> bool {
 
 #[test]
 fn the_points_of_the_errata_in_one_run_each() {
-    let whole = diagram_of_the_errata();
+    let whole = &*DIAGRAM_OF_THE_ERRATA;
     let own = &whole.branches[0];
     assert!(has(own, Event::PeriodDoubling, 0.158908086, 5e-10) && has(own, Event::Fold, 0.157927457267, 5e-13));
     // Round the fold the branch goes on to the end that it came from.
@@ -224,7 +227,7 @@ fn the_points_of_the_errata_in_one_run_each() {
 /// and a simulated period leads back to its start.
 #[test]
 fn what_branches_off_is_made_of_orbits() {
-    let whole = diagram_of_the_errata();
+    let whole = &*DIAGRAM_OF_THE_ERRATA;
     let (mut held, mut closed, mut longest, mut largest) = (0, 0, 0, 0);
     for branch in whole.branches.iter().filter(|branch| branch.generation > 0) {
         for point in branch.points().skip(1).step_by(9).filter(|point| point.physical == Some(true)) {
@@ -249,7 +252,7 @@ fn what_branches_off_is_made_of_orbits() {
 /// At a grazing the two words meet: the orbit that has one more impact begins with none of its impulse, and the event is on both.
 #[test]
 fn at_grazing_the_word_changes() {
-    let whole = diagram_of_the_errata();
+    let whole = &*DIAGRAM_OF_THE_ERRATA;
     let mut met = 0;
     for branch in whole.branches.iter().filter(|branch| branch.origin.is_some()) {
         let origin = branch.origin.unwrap();

@@ -3,7 +3,6 @@
 //! Of more than thousands along an axis a few share a place, and none of them is left out, or a stripe one cell wide would be there or
 //! not as its column happens to be. Classes have their shares of the place; of a number the one that stands out is kept.
 
-
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::scene::Values;
 

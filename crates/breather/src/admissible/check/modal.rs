@@ -1,4 +1,4 @@
-//! By modes: masses or contacts as polynomials on windows of a radian, whose turning points are isolated.
+//! By modes: contacts as polynomials on windows of a radian, whose turning points are isolated.
 
 use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, all, four};
@@ -54,12 +54,18 @@ impl Search<'_> {
             let ends = windows.ends(place);
             let hits = stops.map(|stop| stop.is_some_and(|(barrier, _)| self.hits(contact, barrier)));
             for ((barrier, stop), hits) in stops.into_iter().zip(hits).filter_map(|(stop, hits)| Some((stop?, hits))) {
-                for (s, [at, speed]) in [0.0, whole].into_iter().zip(ends) {
-                    // On its way to a barrier it is nearer each instant; where another is hit it may have a corner, or be still.
-                    let turns = || self.has_corners || speed.abs() <= 6.0 * STILL * excursions[place];
-                    if !hits || !self.hits_at(contact, begins + s) && turns() {
-                        self.note(barrier.sign() * (stop - at), (contact, barrier), begins + s);
-                    }
+                let [[here, after], [there, last]] = ends;
+                let still = 6.0 * STILL * excursions[place];
+                // One that hits the barrier is nearer each instant on its way there. Where impacts of others begin a flight it may turn.
+                let turns = || {
+                    let before = after - self.jolt(contact, begins) * windows.length;
+                    barrier.sign() * before >= -still && barrier.sign() * after <= still
+                };
+                if !hits || !self.hits_at(contact, begins) && turns() {
+                    self.note(barrier.sign() * (stop - here), (contact, barrier), begins);
+                }
+                if !hits || !self.hits_at(contact, begins + whole) && last.abs() <= still {
+                    self.note(barrier.sign() * (stop - there), (contact, barrier), begins + whole);
                 }
             }
             watched.push(Watched { contact, place, fourth: fourths[place], stops, hits });

@@ -22,8 +22,8 @@ pub(crate) struct Search<'a> {
     period: f64,
     /// Barriers of a mass or contact, the lower one first.
     stops: &'a dyn Fn(usize) -> [Option<f64>; 2],
-    /// Whether an impact may jerk others than the mass that is hit: they have a corner there.
-    pub(super) has_corners: bool,
+    /// The velocity that an impulse of 1 at one contact gives another one: it has a corner there. None where masses are apart.
+    mobility: Option<&'a dyn Fn(usize, usize) -> f64>,
     /// For how long after each impact its contact is surely off its barrier; nothing where velocities tell.
     clear: SmallVec<[f64; 4]>,
     pub(super) depth: Depth,
@@ -49,12 +49,12 @@ impl<'a> Search<'a> {
         lists: &'a mut Lists,
     ) -> Self {
         let (clear, closest) = (SmallVec::new(), Closest::NONE);
-        Self { impacts, period, stops, has_corners: false, clear, depth, stop, lists, closest }
+        Self { impacts, period, stops, mobility: None, clear, depth, stop, lists, closest }
     }
 
-    /// Of contacts, which may have corners, and are off their barriers for so long after each impact.
-    pub(crate) fn of_contacts(self, clear: SmallVec<[f64; 4]>) -> Self {
-        Self { has_corners: true, clear, ..self }
+    /// Of contacts that feel each other's impacts, and are off their barriers for so long after each of their own.
+    pub(crate) fn of_contacts(self, mobility: &'a dyn Fn(usize, usize) -> f64, clear: SmallVec<[f64; 4]>) -> Self {
+        Self { mobility: Some(mobility), clear, ..self }
     }
 
     /// Barriers of a mass or contact, each with its place.
@@ -82,17 +82,26 @@ impl<'a> Search<'a> {
         self.impacts.iter().any(|impact| (impact.site, impact.barrier) == (site, barrier))
     }
 
+    /// The impacts at an instant.
+    fn at(&self, time: f64) -> impl Iterator<Item = (usize, &Impact)> {
+        let is_then = move |impact: &Impact| time_between(impact.time, time, self.period) <= SIMULTANEOUS * self.period;
+        self.impacts.iter().enumerate().filter(move |(_, impact)| is_then(impact))
+    }
+
     /// Whether it hits any barrier at an instant.
     pub(super) fn hits_at(&self, site: usize, time: f64) -> bool {
-        let is_then = |impact: &Impact| time_between(impact.time, time, self.period) <= SIMULTANEOUS * self.period;
-        self.impacts.iter().any(|impact| impact.site == site && is_then(impact))
+        self.at(time).any(|(_, impact)| impact.site == site)
+    }
+
+    /// The velocity that impacts of others give it at an instant.
+    pub(super) fn jolt(&self, site: usize, time: f64) -> f64 {
+        let Some(mobility) = self.mobility else { return 0.0 };
+        self.at(time).map(|(_, impact)| mobility(site, impact.site) * impact.impulse).sum()
     }
 
     /// For how long after an instant it is surely off a barrier that it has just hit; 0 where nothing is known.
     pub(crate) fn clear_after(&self, site: usize, barrier: Barrier, time: f64) -> Option<f64> {
-        let is_then = |impact: &Impact| time_between(impact.time, time, self.period) <= SIMULTANEOUS * self.period;
-        let is_it = |impact: &Impact| (impact.site, impact.barrier) == (site, barrier) && is_then(impact);
-        let impact = self.impacts.iter().position(is_it)?;
+        let (impact, _) = self.at(time).find(|(_, impact)| (impact.site, impact.barrier) == (site, barrier))?;
         Some(self.clear.get(impact).copied().unwrap_or_default())
     }
 }

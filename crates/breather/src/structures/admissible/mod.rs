@@ -1,6 +1,6 @@
 //! Is an orbit of a structure physical? Every contact must stay inside its barriers between its impacts: decided by bounds, not samples.
 //!
-//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`check/modal`), as masses of a lattice are. Otherwise
+//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`by_modes`). Otherwise
 //! bounds of the acceleration lead from step to step (`by_steps`).
 
 mod by_steps;
@@ -69,7 +69,8 @@ fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherEr
     let stops = |contact: usize| [contacts[contact].lower, contacts[contact].upper];
     let mut lists = Lists::default();
     let search = Search::new((impacts, orbit.period()), &stops, depth, orbit.model().stop(), &mut lists);
-    let mut search = search.of_contacts(clear);
+    let mobility = |contact: usize, other: usize| orbit.model().structure().mobility(contact, other);
+    let mut search = search.of_contacts(&mobility, clear);
     let (order, view) = &*motion.response().view(contacts);
     let mut room = Room::default();
     // What contacts do in one half of the period they do in the other, backwards.
@@ -142,7 +143,8 @@ mod tests {
                 let mut lists = Lists::default();
                 let of = (orbit.impacts(), orbit.period());
                 let search = Search::new(of, &stops, Depth::Worst, model.stop(), &mut lists);
-                let mut search = search.of_contacts(clear);
+                let mobility = |contact: usize, other: usize| model.structure().mobility(contact, other);
+                let mut search = search.of_contacts(&mobility, clear);
                 let order = &motion.response().view(contacts).0;
                 let impacts = 0..orbit.impacts().len();
                 impacts.for_each(|i| by_steps::search(&mut search, orbit, &motion, order, i).unwrap());

@@ -66,12 +66,7 @@ impl ImpulseResponse {
         KernelJet { value, slope, curvature, third }
     }
 
-    /// As [`ImpulseResponse::jet_from_half`] at four times at once: four values, slopes, curvatures and third derivatives.
-    pub fn jets_from_half(&self, offsets: [f64; 4]) -> [[f64; 4]; 4] {
-        self.jets_of(&self.squares, offsets)
-    }
-
-    /// As [`ImpulseResponse::jet_of`] at four times at once.
+    /// As [`ImpulseResponse::jet_of`] at four times at once: four values, slopes, curvatures and third derivatives.
     pub fn jets_of(&self, shapes: &[f64], offsets: [f64; 4]) -> [[f64; 4]; 4] {
         let farthest = offsets.iter().fold(0.0, |most: f64, offset| most.max(offset.abs()));
         if self.modes > FEW || self.top * farthest > MOST {
@@ -176,12 +171,8 @@ impl ImpulseResponse {
         self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from, self.home)
     }
 
-    /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
-    pub fn derivative_bounds(&self) -> [f64; 4] {
-        self.derivative_bounds_of(&self.squares)
-    }
-
-    /// The same of the kernel whose modes have these shapes, see [`ImpulseResponse::jet_of`].
+    /// Bounds over the open period on |K′|, |K″|, |K‴| and |K⁗| of the kernel whose modes have these shapes, see [`ImpulseResponse::jet_of`], from the
+    /// modes' amplitudes.
     pub fn derivative_bounds_of(&self, shapes: &[f64]) -> [f64; 4] {
         let mut bounds = [0.0; 4];
         for k in 0..self.modes() {

@@ -26,7 +26,7 @@ fn jet_and_shortcuts_agree_with_the_plain_sum() {
             assert!((jet.curvature - curvature).abs() < 1e-5 * omega, "{omega} {fraction}");
             let step = |o: f64| r.jet_from_half(offset + o).curvature;
             assert!((jet.third - (step(h) - step(-h)) / (2.0 * h)).abs() < 1e-5 * omega.max(1.0).powi(2));
-            let bounds = r.derivative_bounds();
+            let bounds = r.derivative_bounds_of(&r.squares);
             for (value, bound) in [jet.slope, jet.curvature, jet.third].iter().zip(bounds) {
                 assert!(value.abs() <= bound * (1.0 + 1e-14), "{omega} {fraction}");
             }
@@ -43,7 +43,7 @@ fn modes_four_at_a_time_are_as_one_by_one() {
             for part in -40..=40 {
                 let offset = f64::from(part) / 80.0 * r.period;
                 // Modes or times by fours.
-                let jets = r.jets_from_half([0.0, offset, -offset, 0.3 * offset]);
+                let jets = r.jets_of(&r.squares, [0.0, offset, -offset, 0.3 * offset]);
                 let [value, slope, curvature, third] = jets.map(|jets| jets[1]);
                 let of_times = KernelJet { value, slope, curvature, third };
                 let (fours, ones) = (r.jet_by_fours(&r.squares, offset), r.jet_one_by_one(&r.squares, offset));
@@ -113,7 +113,7 @@ fn derivatives_stay_within_their_bounds_and_reach_them() {
     for (sites, gamma1) in [(1, 0.0), (1, 1e-3), (1, 0.2), (1, 7.0), (2, 0.2), (9, 0.2), (9, 0.0), (80, 0.2)] {
         for omega in [0.23, 0.9, 1.5, 60.0] {
             let r = response(sites, gamma1, 0.1, omega);
-            let bounds = r.derivative_bounds();
+            let bounds = r.derivative_bounds_of(&r.squares);
             let mut most = [0.0_f64; 4];
             let h = 1e-5 * r.period;
             for i in -400..=400 {
