@@ -59,7 +59,7 @@ impl Search<'_> {
                 // One that hits the barrier is nearer each instant on its way there. Where impacts of others begin a flight it may turn.
                 let turns = || {
                     let before = after - self.jolt(contact, begins) * windows.length;
-                    barrier.sign() * before >= -still && barrier.sign() * after <= still
+                    before.min(after) <= still && before.max(after) >= -still
                 };
                 if !hits || !self.hits_at(contact, begins) && turns() {
                     self.note(barrier.sign() * (stop - here), (contact, barrier), begins);

@@ -100,7 +100,7 @@ fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherEr
 mod tests {
     use std::sync::Arc;
 
-    use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
     use vibrochain_testkit::Random;
 
     use super::*;
@@ -176,5 +176,52 @@ mod tests {
             }
         }
         assert!(physical > 20 && crossing > 100 && first > 20, "{physical} {crossing} {first}");
+    }
+
+    /// The margin is the least distance at which a contact turns, its own impacts aside: by samples of the whole period, in which what an impact of
+    /// another turns round is a corner.
+    #[test]
+    fn the_margin_is_of_the_nearest_turn() {
+        const SAMPLES: u32 = 2000;
+        let mut random = Random(43);
+        let (mut checked, mut corners) = (0, 0);
+        for _ in 0..600 {
+            let model = LoadedStructure::new(Arc::new(structure(&mut random)), random.between(0.5, 3.0)).unwrap();
+            let word = random.of(&["0+,1-", "0+,1+", "0+,1-,1+"]).parse().unwrap();
+            let Ok(found) = model.orbits(&word, 1) else { continue };
+            for orbit in found.contacts() {
+                let answer = orbit.admissibility().unwrap();
+                let Some(margin) = answer.margin.filter(|_| answer.is_physical()) else { continue };
+                let motion = ContactMotion::new(orbit).unwrap();
+                let (mut least, mut is_corner) = (f64::INFINITY, false);
+                for (contact, stops) in model.structure().contacts().iter().enumerate() {
+                    // Places with what is before them: its own impact, one of another, or nothing.
+                    let mut places = Vec::new();
+                    for (i, impact) in orbit.impacts().iter().enumerate() {
+                        places.extend((0..SAMPLES).map(|n| {
+                            let s = motion.until_next(i) * f64::from(n) / f64::from(SAMPLES);
+                            (motion.contact(contact, i, s)[0], n == 0, n == 0 && impact.site == contact)
+                        }));
+                    }
+                    let count = places.len();
+                    for barrier in [Barrier::Lower, Barrier::Upper] {
+                        let Some(stop) = stops.barrier(barrier) else { continue };
+                        let room = |n: usize| barrier.sign() * (stop - places[n % count].0);
+                        for n in 0..count {
+                            let (_, at_impact, own) = places[n];
+                            let here = room(n);
+                            let turns = (here - room(n + count - 1)) * (here - room(n + 1)) >= 0.0;
+                            if !own && turns && here < least {
+                                (least, is_corner) = (here, at_impact);
+                            }
+                        }
+                    }
+                }
+                assert!((margin - least).abs() < 1e-4 * (1.0 + least), "{word} {margin} {least} {is_corner}");
+                checked += 1;
+                corners += usize::from(is_corner);
+            }
+        }
+        assert!(checked > 20 && corners > 0, "{checked} {corners}");
     }
 }
