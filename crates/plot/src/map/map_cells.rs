@@ -208,7 +208,6 @@ impl MapCells {
 mod tests {
     use std::path::Path;
 
-    use vibrochain_floquet::Mechanism;
     use vibrochain_maps::cell::Class;
     use vibrochain_maps::scene::Scene;
 
@@ -230,7 +229,6 @@ mod tests {
 
     const EMPTY: Tile = Tile { class: Some(Class::None), mechanism: None };
     const STABLE: Tile = Tile { class: Some(Class::StableDouble), mechanism: None };
-    const UNSTABLE: Tile = Tile { class: Some(Class::UnstableDouble), mechanism: Some(Mechanism::PeriodDoubling) };
 
     fn raster(scene: &Scene, shown: &MapCells, page: Page) -> Raster {
         let axes = plane(scene).unwrap();
