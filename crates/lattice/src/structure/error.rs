@@ -106,7 +106,7 @@ pub enum StructureError {
     RigidDamped,
     /// Of a mode that is damped far beyond critical, the slow motion has no digits.
     #[error(
-        "mode {mode} is damped {ratio:.0e} times as much as makes it critical: of its slow motion no digits are left; give less damping, or          leave its mass away"
+        "mode {mode} is damped {ratio:.0e} times as much as makes it critical: of its slow motion no digits are left; give less damping, or leave its mass away"
     )]
     Overdamped {
         /// The mode.
