@@ -133,7 +133,7 @@ impl Motion {
         self.is_loaded(orbit, orbit.period())
     }
 
-    /// Takes over the modes of a lattice with dashpots from another motion, which keeps its orbit.
+    /// Exchanges the modes of the lattice with dashpots with another motion. The orbits stay where they are.
     pub(crate) fn take_modes(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.dying, &mut other.dying);
     }

@@ -3,14 +3,14 @@
 use vibrochain_lattice::DistinctMasses;
 
 use super::search::Search;
-use crate::admissible::gap::{Depth, Gap, RESOLUTION};
+use crate::admissible::gap::{Gap, RESOLUTION};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::polynomial::{turning_points, with_overlap};
 use crate::motion::window::Window;
 use crate::orbit::LatticeOrbit;
 
-/// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
+/// A window is as long as the fastest motion takes for one radian: then the polynomials' order leaves a remainder below rounding.
 const WINDOW: f64 = 1.0;
 
 /// A mass slower than this, in the window's units, where an interval begins with another's impact, turns right there, for what a
@@ -30,7 +30,7 @@ pub(super) struct Stretch {
     pub(super) turns: bool,
 }
 
-/// Lays windows that are short enough for an orbit that is looked at as far as `horizon`.
+/// Sets the window's unit of time by the fastest motion of an orbit, of which the time until `horizon` is checked.
 ///
 /// # Errors
 /// [`BreatherError::TooStiff`]
@@ -91,7 +91,7 @@ impl Search<'_> {
                     }
                 }
             }
-            if self.depth == Depth::First && self.closest.distance <= 0.0 {
+            if self.is_decided() {
                 return Ok(());
             }
         }

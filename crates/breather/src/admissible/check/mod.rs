@@ -3,11 +3,11 @@
 //! Symmetry halves the work twice: masses n and M − n about a single impacted site, and a conservative orbit's mirror image
 //! in time. Then one of two ways:
 //!
-//! - flights without dashpots between impacts of one site of a ring, unless they are long or the ring is, by values on a grid and each mass's own
-//!   bounds between its nodes (`on_grid`);
-//! - everything else by windows of one radian of the fastest motion, in which whatever is watched is a polynomial, exact
-//!   to rounding: masses by local series, with bounds of their own (`local`) - far masses of a forced ring move little, however close
-//!   to a barrier the force has them all swing -, contacts of any other structure from its modes (`modal`).
+//! - short flights of a small ring without dashpots, of which one site takes all impacts, are sampled on a grid; each mass has its own bounds between
+//!   the nodes (`on_grid`);
+//! - all other flights are cut into windows of one radian of the fastest motion, in which each motion is a polynomial, exact to rounding. Masses get
+//!   theirs from local series, with bounds of their own (`local`): far from the breather these are small, even where the force moves all masses
+//!   close to a barrier. Contacts of any other structure get theirs from its modes (`modal`).
 //!
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
@@ -89,7 +89,7 @@ impl Watch {
         let is_few = model.chain().even_modes() <= MOST_MODES && orbit.centre().is_some() && !model.is_damped();
         let forces = Forces::of_ring(model.chain(), watched);
         let is_half = orbit.is_reversible() && horizon == 0.5 * orbit.period();
-        let mut is_laid = false;
+        local::lay(window, motion, horizon)?;
         for interval in 0..motion.intervals() {
             let (begins, length) = motion.interval(interval);
             if begins >= horizon || search.is_decided() {
@@ -108,9 +108,6 @@ impl Watch {
                     by_nodes.closest(watched, |_| Gap::around(a), depth, &mut search.closest);
                     continue;
                 }
-            }
-            if !std::mem::replace(&mut is_laid, true) {
-                local::lay(window, motion, horizon)?;
             }
             let goes_on = orbit.is_reversible() && !is_half;
             let stretch = Stretch { interval, begins, whole, goes_on, turns };

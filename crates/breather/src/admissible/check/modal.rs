@@ -56,7 +56,7 @@ impl Search<'_> {
             for ((barrier, stop), hits) in stops.into_iter().zip(hits).filter_map(|(stop, hits)| Some((stop?, hits))) {
                 let [[here, after], [there, last]] = ends;
                 let still = 6.0 * STILL * excursions[place];
-                // One that hits the barrier is nearer each instant on its way there. Where impacts of others begin a flight it may turn.
+                // A contact that is about to hit comes nearer all the time: its place counts only where it turns, by itself or by another's impact.
                 let turns = || {
                     let before = after - self.jolt(contact, begins) * windows.length;
                     before.min(after) <= still && before.max(after) >= -still

@@ -8,7 +8,7 @@ use crate::admissible::answer::Obstruction;
 use crate::admissible::gap::{Closest, Depth};
 use crate::orbit::{Impact, SIMULTANEOUS, time_between};
 
-/// Lists of a search, in the same memory from one to the next.
+/// Memory for the lists of one search, which the next search takes over.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lists {
     pub(super) pending: Vec<(f64, f64)>,
@@ -52,7 +52,8 @@ impl<'a> Search<'a> {
         Self { impacts, period, stops, mobility: None, clear, depth, stop, lists, closest }
     }
 
-    /// Of contacts that feel each other's impacts, and are off their barriers for so long after each of their own.
+    /// The same along an orbit of contacts: an impact of one may jerk the others (`mobility`), and after impact n its contact is surely off its barrier
+    /// for the time `clear[n]`.
     pub(crate) fn of_contacts(self, mobility: &'a dyn Fn(usize, usize) -> f64, clear: SmallVec<[f64; 4]>) -> Self {
         Self { mobility: Some(mobility), clear, ..self }
     }

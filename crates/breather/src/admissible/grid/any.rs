@@ -5,7 +5,8 @@ use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, four};
 use wide::f64x4;
 
 use super::diagonals::Diagonals;
-use super::{Flight, Grid, turn};
+use super::turn::turn;
+use super::{Flight, Grid};
 
 /// How often bounds are held against those of neighbours: each time they are some thirty times closer.
 const SWEEPS: usize = 4;

@@ -16,6 +16,7 @@
 
 mod any;
 pub(crate) mod diagonals;
+pub(crate) mod turn;
 
 use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, fill, groups};
 use vibrochain_lattice::{Chain, DistinctMasses, Wave};
@@ -24,6 +25,7 @@ use wide::f64x4;
 use crate::admissible::gap::Gap;
 use crate::motion::polynomial::{ORDER, Polynomial, taylor};
 use diagonals::Diagonals;
+use turn::turn;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
 pub(crate) const INTERVAL: f64 = 0.5;
@@ -418,17 +420,6 @@ impl Grid {
     }
 }
 
-/// cos Ωh, sin Ωh/Ω and Ω sin Ωh, for Ωh up to [`INTERVAL`].
-pub(crate) fn turn(frequency: f64x4, step: f64x4) -> [f64x4; 3] {
-    let x = frequency * step;
-    let square = x * x;
-    let series = |coefficients: [f64; 8]| {
-        coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
-    };
-    let sin_over = step * series(SINC);
-    [series(COSINE), sin_over, frequency * frequency * sin_over]
-}
-
 /// γ₁ and γ₂ of a ring, the latter without effect on a single mass.
 fn stiffnesses(chain: &Chain) -> (f64, f64) {
     (chain.gamma1(), if chain.sites() > 1 { chain.gamma2() } else { 0.0 })
@@ -443,26 +434,3 @@ fn row<const G: usize>(list: &[Lane]) -> [f64x4; G] {
 fn rows_mut<const G: usize>(list: &mut [Lane]) -> std::slice::IterMut<'_, [Lane; G]> {
     list.as_chunks_mut::<G>().0.iter_mut()
 }
-
-/// cos x and sin x/x in powers of −x²; for x ≤ 1/2 the first term left out is below 1e-18.
-const COSINE: [f64; 8] = [
-    1.0,
-    -1.0 / 2.0,
-    1.0 / 24.0,
-    -1.0 / 720.0,
-    1.0 / 40_320.0,
-    -1.0 / 3_628_800.0,
-    1.0 / 479_001_600.0,
-    -1.0 / 87_178_291_200.0,
-];
-
-const SINC: [f64; 8] = [
-    1.0,
-    -1.0 / 6.0,
-    1.0 / 120.0,
-    -1.0 / 5040.0,
-    1.0 / 362_880.0,
-    -1.0 / 39_916_800.0,
-    1.0 / 6_227_020_800.0,
-    -1.0 / 1_307_674_368_000.0,
-];

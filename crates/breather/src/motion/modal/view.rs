@@ -42,7 +42,7 @@ fn swing_flow(rate: f64) -> ModeFlow {
 }
 
 impl Flow {
-    /// Of what is `by` of each part.
+    /// The flow that turns part k by `by(k)`.
     pub(crate) fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
         let mut lanes = [(); 3].map(|()| -> Lanes { smallvec![[0.0; LANES]; flows.len().div_ceil(LANES)] });
         for (k, flow) in flows.iter().enumerate() {

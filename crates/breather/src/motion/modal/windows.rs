@@ -21,7 +21,7 @@ const REFRESH: usize = 32;
 /// Groups of orders of a polynomial.
 const FOURS: usize = ORDER / LANES;
 
-/// Numbers of a flight, in the same memory from one to the next.
+/// Memory for the numbers of one flight, which the next flight takes over.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Room {
     nodes: Vec<Lane>,
@@ -35,9 +35,8 @@ pub(crate) struct Windows<'v> {
     /// Length of a window, and how many there are.
     pub(crate) length: f64,
     count: usize,
-    /// How long the flight is looked at, and whether it goes on after that.
+    /// How long the flight is looked at.
     pub(crate) whole: f64,
-    goes_on: bool,
     /// What the contacts see that are still looked at, where these are not all.
     kept: Option<Sights>,
     /// The parts where each window starts and where the last one ends, a node after the other; and derivatives over factorials of what contacts see at
@@ -49,12 +48,11 @@ pub(crate) struct Windows<'v> {
 }
 
 impl<'v> Windows<'v> {
-    /// Of a flight as far as `whole`, after which it `goes_on` or not; `begin` tells first and second coordinates of all parts at its start. `None`
-    /// where there would be too many.
+    /// Of a flight as far as `whole`; `begin` sets first and second coordinates of all parts at its start. `None` where there would be too many.
     pub(crate) fn new(
         view: &'v View,
         begin: impl FnOnce([&mut [f64]; 2]),
-        (whole, goes_on): (f64, bool),
+        whole: f64,
         room: &'v mut Room,
     ) -> Option<Self> {
         let windows = (whole * view.fastest / WINDOW).ceil().max(1.0);
@@ -82,7 +80,7 @@ impl<'v> Windows<'v> {
             }
         }
         let ends = SmallVec::new();
-        let mut own = Self { view, length, count, whole, goes_on, kept: None, room, derived: None, ends };
+        let mut own = Self { view, length, count, whole, kept: None, room, derived: None, ends };
         own.look_at_ends();
         Some(own)
     }
@@ -148,7 +146,7 @@ impl<'v> Windows<'v> {
 
     /// Whether the flight goes on before a window, and after it.
     pub(crate) fn goes_on(&self, number: usize) -> [bool; 2] {
-        [number > 0, number + 1 < self.count || self.goes_on]
+        [number > 0, number + 1 < self.count]
     }
 
     /// Places of all contacts where each window starts and where the last one ends, and behind them velocities, four at a time: a row for each.

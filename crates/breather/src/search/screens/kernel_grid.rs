@@ -17,7 +17,7 @@ use vibrochain_lattice::simd::lanes::{Lane, total};
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
-use crate::admissible::grid::turn;
+use crate::admissible::grid::turn::turn;
 use crate::search::screens::radiation::Radiation;
 
 /// Intervals at most; more would be hundreds of orbits, which the search then reports as not finished.

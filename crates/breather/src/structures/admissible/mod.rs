@@ -86,7 +86,7 @@ fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherEr
         let whole = half * motion.until_next(i);
         let windows = view.as_ref().and_then(|view| {
             let begin = |both: [&mut [f64]; 2]| motion.begin(view, i, both);
-            Windows::new(view, begin, (whole, false), &mut room)
+            Windows::new(view, begin, whole, &mut room)
         });
         match windows {
             Some(mut windows) => search.by_modes(&mut windows, order, impact.time)?,

@@ -76,7 +76,7 @@ fn windows_hold_the_motion_and_bound_it() {
         for i in 0..orbit.impacts().len() {
             let whole = motion.until_next(i);
             let begin = |both: [&mut [f64]; 2]| motion.begin(view, i, both);
-            let Some(mut windows) = Windows::new(view, begin, (whole, false), &mut room) else { continue };
+            let Some(mut windows) = Windows::new(view, begin, whole, &mut room) else { continue };
             windows.rows(&mut rows);
             let bounds = windows.bounds();
             let (mut excursions, mut fourths) = ([0.0_f64; 2], [0.0_f64; 2]);
@@ -134,8 +134,7 @@ fn contacts_that_are_kept_are_seen_as_before() {
         let order = [0, 1, 0, 0, 0, 0, 1, 0];
         let Some(view) = &motion.response().view_of(&order) else { return };
         let (begin, mut room) = (|both: [&mut [f64]; 2]| motion.begin(view, 0, both), Room::default());
-        let flight = (motion.until_next(0), false);
-        let Some(mut windows) = Windows::new(view, begin, flight, &mut room) else { return };
+        let Some(mut windows) = Windows::new(view, begin, motion.until_next(0), &mut room) else { return };
         let mut places = [1, 6];
         windows.keep(&mut places.iter_mut());
         assert_eq!(places, [0, 1]);
