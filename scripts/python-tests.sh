@@ -20,6 +20,8 @@ if ! install numpy pytest; then
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
 install pandas xarray matplotlib jsonschema scipy 'dask[distributed]' || true
+# On both processors, where that can be had.
+install pytest-xdist && both='-n 2 --dist loadfile' || both=
 
 [ -n "${WHEEL:-}" ] || WHEEL=$(LOCAL=tests scripts/wheels.sh "$work/wheels")
 install --force-reinstall --no-deps "$WHEEL"
@@ -35,7 +37,7 @@ fi
     mapgen sweep plane.toml --out map.csv --plot map.png
     head -c 8 map.png | grep -q PNG
 )
-MAPGEN=$VENV/bin/mapgen "$python" -m pytest -q -rs -p no:cacheprovider "$@"
+MAPGEN=$VENV/bin/mapgen "$python" -m pytest -q -rs -p no:cacheprovider $both "$@"
 for file in "$VENV"/share/man/man1/mapgen.1 "$VENV"/share/doc/vibrochain/scenes/conservative-n20.toml "$VENV"/share/doc/vibrochain/LICENSES-of-dependencies.txt \
     "$VENV"/lib/python3*/site-packages/vibrochain-*.dist-info/licenses/LICENSE-MIT; do
     test -s "$file" || { echo "the wheel: it does not bring $file" >&2 && exit 1; }

@@ -143,6 +143,12 @@ fn at_period_doublings() {
 
 #[test]
 fn at_pitchforks() {
+    every_handover_is_in_the_lists(Event::Pitchfork, Family::DoubleSided, Family::DoubleSided, 25, 40);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test branching -- --ignored slow"]
+fn slow_at_pitchforks() {
     every_handover_is_in_the_lists(Event::Pitchfork, Family::DoubleSided, Family::DoubleSided, 25, 100);
 }
 

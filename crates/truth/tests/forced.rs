@@ -124,7 +124,7 @@ fn claims_hold(draws: usize) {
 
 #[test]
 fn no_multiplier_is_farther_off_than_is_claimed() {
-    claims_hold(100);
+    claims_hold(50);
 }
 
 /// `cargo test --release -p vibrochain-truth --test forced -- --ignored --nocapture`

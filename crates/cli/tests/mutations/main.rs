@@ -2,7 +2,7 @@
 //! 0, 1, 2 or 3, says why, and never tells a number that is none. Every input follows from the seed and its own number.
 //! Some of them, of all commands, are run by the real program under a limit of memory and of time.
 //!
-//! A few thousand are tried always, fifty thousand by the test `slow_…`. `MUTATIONS` (how many), `MUTATIONS_LIMITED` (how
+//! Two thousand are tried always, fifty thousand by the test `slow_…`. `MUTATIONS` (how many), `MUTATIONS_LIMITED` (how
 //! many under limits), `MUTATIONS_SEED` and `MUTATIONS_WORK` (0: nothing is computed) make longer campaigns:
 //!
 //! ```sh
@@ -28,7 +28,7 @@ use run::{TestDir, mapgen};
 
 const COUNT: u64 = 50_000;
 /// Of these, what there is always time for.
-const FEW: u64 = 5_000;
+const FEW: u64 = 2_000;
 const SEED: u64 = 20_240_229;
 
 fn setting(name: &str, default: u64) -> u64 {

@@ -20,10 +20,7 @@ fn nearest(value: Complex<f64>, others: &[Complex<f64>]) -> Option<(usize, f64)>
 }
 
 /// ν = ½(μ + 1/μ), one for each pair μ, 1/μ of a spectrum without loss, those on the circle made real.
-pub(crate) fn half_sums(values: &[Complex<f64>], reversible: bool) -> Vec<Complex<f64>> {
-    if reversible {
-        return values.to_vec();
-    }
+pub(crate) fn half_sums(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let half_sum = |value: Complex<f64>| {
         let nu = (value + value.inv()) * 0.5;
         if (value.norm() - 1.0).abs() < SPLIT { Complex::new(nu.re, 0.0) } else { nu }
@@ -73,11 +70,11 @@ mod tests {
         // Multipliers e^{±iθ} on the circle, and a quadruple off it.
         let mu = Complex::from_polar(1.1, 1.0);
         let values = [mu, mu.conj(), mu.inv(), mu.inv().conj(), Complex::from_polar(1.0, 0.5)];
-        let nus = super::half_sums(&values, false);
+        let nus = super::half_sums(&values);
         assert_eq!((nus.len(), complex_count(&nus)), (3, 2));
         // The quadruple turned real, and a pair at −1 that rounding split: one ν for each pair.
         let real = [1.5, 2.0 / 3.0, 1.25, 0.8, -1.0 - 1e-9, -1.0 + 1e-9].map(|value| Complex::new(value, 0.0));
-        let mut nus: Vec<f64> = super::half_sums(&real, false).iter().map(|nu| nu.re).collect();
+        let mut nus: Vec<f64> = super::half_sums(&real).iter().map(|nu| nu.re).collect();
         nus.sort_unstable_by(f64::total_cmp);
         let expected = [-1.0, 1.025, 0.5 * (1.5 + 1.0 / 1.5)];
         assert!(

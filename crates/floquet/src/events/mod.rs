@@ -2,7 +2,6 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `orbit` | what is asked of an orbit |
 //! | `by_matrix` | multipliers where determinants do not count them |
 //! | `mirrored` | ν = ½(μ + 1/μ) of orbits that are their own mirror images in time, with impacts at several contacts |
 //! | `half_sums` | spectra on their way: pairs, and those that meet on the circle |

@@ -70,7 +70,7 @@ impl Watcher {
             }
             told => told?,
         };
-        let values = if orbit.is_lossless() { half_sums(&multipliers, false) } else { multipliers };
+        let values = if orbit.is_lossless() { half_sums(&multipliers) } else { multipliers };
         Ok((values, verdict))
     }
 

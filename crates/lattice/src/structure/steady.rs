@@ -36,7 +36,6 @@ impl ModalStructure {
         Ok(sums)
     }
 
-    /// Numbers and coordinates of the modes that it drives.
     /// The same without modes of some numbers.
     pub fn steady_but(&self, place: usize, omega: f64, left_out: impl Fn(usize) -> bool) -> Vec<C> {
         let w = f64::from(self.harmonics()[place]) * omega;
@@ -50,6 +49,7 @@ impl ModalStructure {
         sums
     }
 
+    /// Numbers and coordinates of the modes that it drives.
     fn driven(&self, place: usize, omega: f64) -> impl Iterator<Item = Result<(usize, [C; 2]), StructureError>> {
         let harmonic = self.harmonics()[place];
         let w = f64::from(harmonic) * omega;

@@ -21,7 +21,7 @@ fn every_corner_keeps_its_promise() {
 
 #[test]
 fn random_points_keep_their_promises() {
-    keep_their_promises(1_500);
+    keep_their_promises(700);
 }
 
 /// `DRAWS` says how many.

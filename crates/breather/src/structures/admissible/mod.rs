@@ -1,6 +1,6 @@
 //! Is an orbit of a structure physical? Every contact must stay inside its barriers between its impacts: decided by bounds, not samples.
 //!
-//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`by_modes`). Otherwise
+//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`admissible/check/modal.rs`). Otherwise
 //! bounds of the acceleration lead from step to step (`by_steps`).
 
 mod by_steps;
