@@ -14,90 +14,128 @@ fn net_impulses(orbit: LatticeOrbit<'_>) -> impl Iterator<Item = f64> {
     orbit.sources().iter().map(|source| source.net_impulse)
 }
 
+/// The modes of a lattice, as impulses that repeat every period move them.
+enum Modes<'a> {
+    /// Those that nothing damps.
+    Free(&'a ImpulseResponse),
+    /// Those of a lattice with dashpots.
+    Dying(Box<DyingModes>),
+}
+
+impl Modes<'_> {
+    fn frequencies(&self) -> &[f64] {
+        match self {
+            Self::Free(response) => response.frequencies(),
+            Self::Dying(modes) => modes.frequencies(),
+        }
+    }
+
+    /// What their shapes lack to be those of a kernel.
+    fn weights(&self) -> &[f64] {
+        match self {
+            Self::Free(response) => response.weights(),
+            Self::Dying(modes) => modes.weights(),
+        }
+    }
+
+    /// Adds the states, weights apart, that a net impulse holds up; with dashpots it is a part of what impulses do.
+    fn begin(&self, states: &mut Vec<(f64, f64)>, net: f64) {
+        match self {
+            Self::Free(response) => states.extend(response.statics().iter().map(|part| (net * part, 0.0))),
+            Self::Dying(modes) => states.extend(modes.weights().iter().map(|_| (0.0, 0.0))),
+        }
+    }
+
+    /// Adds what an impulse does to all modes, weights apart, some time after it.
+    fn add_response(&self, states: &mut [(f64, f64)], impulse: f64, elapsed: f64) {
+        match self {
+            Self::Free(response) => add_response(states, response, impulse, elapsed),
+            Self::Dying(modes) => modes.add_response(states, impulse, elapsed),
+        }
+    }
+
+    /// Whether the place of the uniform mode is not that of its impulses, but given.
+    fn are_adrift(&self, orbit: LatticeOrbit<'_>) -> bool {
+        match self {
+            Self::Free(_) => !orbit.model().chain().has_walls(),
+            Self::Dying(_) => true,
+        }
+    }
+}
+
+/// The period that an impulse response repeats by.
+fn period(orbit: LatticeOrbit<'_>, response: Option<&ImpulseResponse>) -> f64 {
+    response.map_or_else(|| orbit.period(), ImpulseResponse::period)
+}
+
 impl Motion {
-    /// Takes over another orbit; `response` must be of its chain and frequency.
-    pub(crate) fn load(&mut self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) {
-        let model = orbit.model();
+    /// Takes over another orbit; `response` must be of its chain and frequency, and `None` of a lattice with dashpots.
+    pub(crate) fn load(&mut self, orbit: LatticeOrbit<'_>, response: Option<&ImpulseResponse>) {
         if self.is_of(orbit, response) {
             // An orbit just found is there already.
             return;
         }
-        self.begin(orbit, || response.shapes().clone(), response.frequencies());
+        let (model, period) = (orbit.model(), period(orbit, response));
+        let modes = match response {
+            Some(response) => Modes::Free(response),
+            None => {
+                let mut modes = self.dying.take().unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
+                modes.reset(model, period);
+                Modes::Dying(modes)
+            }
+        };
+        let shapes = || response.map_or_else(|| Shapes::new(model.chain()), |response| response.shapes().clone());
+        self.begin(orbit, shapes, modes.frequencies());
+        self.period = period;
         self.decays.clear();
-        self.period = response.period();
-        let (weights, uniform) = (response.weights(), !model.chain().has_walls());
+        if let Modes::Dying(modes) = &modes {
+            self.decays.extend_from_slice(&modes.decays);
+        }
+        self.set_states(orbit, &modes);
+        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+        if let Modes::Dying(modes) = modes {
+            self.dying = Some(modes);
+        }
+    }
+
+    /// The modes at the start of every interval.
+    fn set_states(&mut self, orbit: LatticeOrbit<'_>, modes: &Modes<'_>) {
+        let (weights, adrift) = (modes.weights(), modes.are_adrift(orbit));
         self.states.clear();
         for (i, &start) in self.starts.iter().enumerate() {
             if i > 0 && start == self.starts[i - 1] {
                 // Nothing moves between impacts of one instant.
-                self.states.extend_from_within(self.states.len() - orbit.sources().len() * response.modes()..);
+                self.states.extend_from_within(self.states.len() - orbit.sources().len() * weights.len()..);
                 continue;
             }
             for (s, source) in orbit.sources().iter().enumerate() {
-                let from = self.states.len();
-                let net = source.net_impulse;
-                let held = if uniform { Some(orbit.uniform_offset()).filter(|_| s == 0) } else { None };
-                if let Some(parts) = at_instants(orbit, response, start) {
+                let (from, net) = (self.states.len(), source.net_impulse);
+                // The place of the uniform mode is common to all sources; the first one carries it. Its shape is 1.
+                let held = adrift.then_some(if s == 0 { orbit.uniform_offset() } else { 0.0 });
+                if let Modes::Free(response) = modes
+                    && let Some(parts) = at_instants(orbit, response, start)
+                {
                     add_states(&mut self.states, response, (net, held), parts);
                     continue;
                 }
-                self.states.extend(response.statics().iter().map(|part| (net * part, 0.0)));
+                modes.begin(&mut self.states, net);
                 let states = &mut self.states[from..];
-                if uniform {
-                    // The uniform mode's static part is common to all sources; the first one carries it. Its shape is 1.
-                    states[0].0 = if s == 0 { orbit.uniform_offset() / weights[0] } else { 0.0 };
+                if let Some(held) = held {
+                    states[0].0 = held / weights[0];
                 }
                 for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
-                    let mut elapsed = start - impact.time;
-                    if elapsed < 0.0 {
-                        elapsed += self.period;
-                    }
-                    add_response(states, response, impact.impulse, elapsed);
+                    let elapsed = start - impact.time;
+                    modes.add_response(
+                        states,
+                        impact.impulse,
+                        if elapsed < 0.0 { elapsed + self.period } else { elapsed },
+                    );
                 }
                 for ((q, p), weight) in states.iter_mut().zip(weights) {
                     (*q, *p) = (weight * *q, weight * *p);
                 }
             }
         }
-        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
-    }
-
-    /// Takes over an orbit of a lattice with dashpots.
-    pub(crate) fn load_dying(&mut self, orbit: LatticeOrbit<'_>) {
-        let (model, period) = (orbit.model(), orbit.period());
-        if self.is_of_dying(orbit) {
-            return;
-        }
-        let mut modes = self.dying.take().unwrap_or_else(|| Box::new(DyingModes::new(model, period)));
-        modes.reset(model, period);
-        self.begin(orbit, || Shapes::new(model.chain()), modes.frequencies());
-        self.decays.clone_from(&modes.decays);
-        self.period = period;
-        self.states.clear();
-        for (i, &start) in self.starts.iter().enumerate() {
-            if i > 0 && start == self.starts[i - 1] {
-                self.states.extend_from_within(self.states.len() - orbit.sources().len() * modes.weights().len()..);
-                continue;
-            }
-            for (s, source) in orbit.sources().iter().enumerate() {
-                let from = self.states.len();
-                self.states.resize(from + modes.weights().len(), (0.0, 0.0));
-                let states = &mut self.states[from..];
-                // Where nothing holds the lattice its place is not that of its impulses.
-                if s == 0 {
-                    states[0].0 = orbit.uniform_offset() / modes.weights()[0];
-                }
-                for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
-                    let elapsed = start - impact.time;
-                    modes.add_response(states, impact.impulse, if elapsed < 0.0 { elapsed + period } else { elapsed });
-                }
-                for ((q, p), weight) in states.iter_mut().zip(modes.weights()) {
-                    (*q, *p) = (weight * *q, weight * *p);
-                }
-            }
-        }
-        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
-        self.dying = Some(modes);
     }
 
     /// Takes over all but what modes do.
@@ -124,22 +162,8 @@ impl Motion {
     }
 
     /// Holds this orbit already.
-    pub(crate) fn is_of(&self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) -> bool {
-        self.is_loaded(orbit, response.period())
-    }
-
-    /// The same of a lattice with dashpots.
-    pub(crate) fn is_of_dying(&self, orbit: LatticeOrbit<'_>) -> bool {
-        self.is_loaded(orbit, orbit.period())
-    }
-
-    /// Exchanges the modes of the lattice with dashpots with another motion. The orbits stay where they are.
-    pub(crate) fn take_modes(&mut self, other: &mut Self) {
-        std::mem::swap(&mut self.dying, &mut other.dying);
-    }
-
-    fn is_loaded(&self, orbit: LatticeOrbit<'_>, period: f64) -> bool {
-        self.period == period
+    pub(crate) fn is_of(&self, orbit: LatticeOrbit<'_>, response: Option<&ImpulseResponse>) -> bool {
+        self.period == period(orbit, response)
             && self.origin.dashpots == orbit.model().dashpots()
             && self.psi == orbit.psi_or_zero()
             && self.origin.uniform_offset == orbit.uniform_offset()
@@ -147,6 +171,11 @@ impl Motion {
             && self.origin.net_impulses.iter().copied().eq(net_impulses(orbit))
             && self.chain == *orbit.model().chain()
             && self.steady == *orbit.steady()
+    }
+
+    /// Exchanges the modes of the lattice with dashpots with another motion. The orbits stay where they are.
+    pub(crate) fn take_modes(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.dying, &mut other.dying);
     }
 
     fn set_table(&mut self, orbit: LatticeOrbit<'_>, modes: usize) {

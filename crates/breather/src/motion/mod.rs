@@ -130,14 +130,11 @@ impl Motion {
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
         let orbit = orbit.lattice()?;
         let (model, chain) = (orbit.model(), orbit.model().chain());
-        if model.is_damped() {
-            let mut motion = Self::vacant(chain, Shapes::new(chain));
-            motion.load_dying(orbit);
-            return Ok(motion);
-        }
-        let response = ImpulseResponse::new(&Spectrum::new(*chain), orbit.frequency())?;
-        let mut motion = Self::vacant(chain, response.shapes().clone());
-        motion.load(orbit, &response);
+        let free = (!model.is_damped()).then(|| ImpulseResponse::new(&Spectrum::new(*chain), orbit.frequency()));
+        let response = free.transpose()?;
+        let shapes = response.as_ref().map_or_else(|| Shapes::new(chain), |response| response.shapes().clone());
+        let mut motion = Self::vacant(chain, shapes);
+        motion.load(orbit, response.as_ref());
         Ok(motion)
     }
 

@@ -4,38 +4,17 @@ use vibrochain_lattice::{ImpulseResponse, Model, Shapes, Spectrum};
 
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Family, Hit, Impact, LatticeOrbit, LatticePart, Of, Orbit, sources};
+use crate::orbit::{Draft, Family, Hit, Impact, LatticePart, Of, Orbit, sources};
 use crate::worse;
 
 impl Orbit {
-    /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit.
+    /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit; `response` is that of the lattice, `None` with
+    /// dashpots.
     pub(crate) fn assemble(
-        model: &Model,
-        response: &ImpulseResponse,
-        motion: &mut Motion,
-        draft: Draft,
-    ) -> Result<Self, BreatherError> {
-        Self::assemble_by(model, motion, draft, |motion, orbit| motion.load(orbit, response))
-    }
-
-    /// The same of a model with or without dashpots; its impulse response, if it has none.
-    fn assemble_any(
         model: &Model,
         response: Option<&ImpulseResponse>,
         motion: &mut Motion,
         draft: Draft,
-    ) -> Result<Self, BreatherError> {
-        match response {
-            Some(response) => Self::assemble(model, response, motion, draft),
-            None => Self::assemble_by(model, motion, draft, Motion::load_dying),
-        }
-    }
-
-    fn assemble_by(
-        model: &Model,
-        motion: &mut Motion,
-        draft: Draft,
-        load: impl FnOnce(&mut Motion, LatticeOrbit<'_>),
     ) -> Result<Self, BreatherError> {
         let e = model.restitution();
         let impact = |&Hit { site, barrier, time, impulse }: &Hit| Impact {
@@ -66,7 +45,7 @@ impl Orbit {
             of: Of::Lattice(part),
         };
         let known = orbit.lattice()?;
-        load(motion, known);
+        motion.load(known, response);
         let (length, velocity, loss) = (known.length_scale(), known.velocity_scale(), model.loss());
         for (i, impact) in orbit.impacts.iter_mut().enumerate() {
             let after;
@@ -167,10 +146,10 @@ impl Orbit {
         };
         if chain.is_adrift() {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
-            Self::assemble_any(model, response, motion, draft.clone())?;
+            Self::assemble(model, response, motion, draft.clone())?;
             let Hit { site, barrier, .. } = impacts[0];
             draft.uniform_offset = model.barrier(barrier) - motion.just_after(0, site).0.displacement;
         }
-        Self::assemble_any(model, response, motion, draft)
+        Self::assemble(model, response, motion, draft)
     }
 }

@@ -113,11 +113,11 @@ impl Finder {
                 return;
             }
             std::mem::swap(motion, earlier);
-            let mut assembled = Orbit::assemble(model, response, motion, draft.clone());
+            let mut assembled = Orbit::assemble(model, Some(response), motion, draft.clone());
             if let (Ok(orbit), Some(steady)) = (&mut assembled, &steady)
                 && orbit.residual() > ROUNDING
                 && let Some(draft) = as_structure::at_places(&draft, (model, response), steady)
-                && let Ok(other) = Orbit::assemble(model, response, motion, draft)
+                && let Ok(other) = Orbit::assemble(model, Some(response), motion, draft)
                 && other.residual() < orbit.residual()
             {
                 *orbit = other;

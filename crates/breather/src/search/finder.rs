@@ -229,19 +229,17 @@ impl Finder {
 
     /// The motion of an orbit, and the impulse response.
     fn load(&mut self, orbit: LatticeOrbit<'_>) -> Result<(), BreatherError> {
-        if orbit.model().is_damped() {
+        let response = if orbit.model().is_damped() {
             self.stop.heard()?;
-            if self.earlier.is_of_dying(orbit) {
-                std::mem::swap(&mut self.motion, &mut self.earlier);
-            }
-            self.motion.load_dying(orbit);
-            return Ok(());
-        }
-        self.prepare(orbit.model(), orbit.frequency())?;
-        if self.earlier.is_of(orbit, &self.response) {
+            None
+        } else {
+            self.prepare(orbit.model(), orbit.frequency())?;
+            Some(&self.response)
+        };
+        if self.earlier.is_of(orbit, response) {
             std::mem::swap(&mut self.motion, &mut self.earlier);
         }
-        self.motion.load(orbit, &self.response);
+        self.motion.load(orbit, response);
         Ok(())
     }
 

@@ -200,7 +200,7 @@ impl Finder {
             Err(reason) => return Ok(Searched { reason: Some(reason), ..searched }),
         };
         let mut assemble = |draft: Draft| -> Result<Orbit, BreatherError> {
-            let orbit = Orbit::assemble(model, response, motion, draft)?;
+            let orbit = Orbit::assemble(model, Some(response), motion, draft)?;
             if orbit.residual() <= IMPROVED {
                 return Ok(orbit);
             }
