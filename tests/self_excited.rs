@@ -7,10 +7,12 @@ use std::sync::Arc;
 
 use vibrochain_breather::{BreatherError, LoadedStructure, Orbit, OrbitList, admissibility};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
-use vibrochain_floquet::{BranchRequest, End, Event, Located, Rectangle, Tolerance, branches, event_curve, stability};
+use vibrochain_floquet::{
+    BranchRequest, End, Event, Located, Tolerance, Walk, Window, branches, event_curves, stability,
+};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::grid::Grid;
-use vibrochain_maps::structure::along::family;
+use vibrochain_maps::structure::along::{family, numbers};
 use vibrochain_maps::structure::{Setting, StructureClass, StructureScene};
 use vibrochain_testkit::{Random, run_follows};
 
@@ -259,7 +261,6 @@ fn a_curve_of_folds_has_no_second_multiplier() {
     let scene = damped(-0.154, "lower = -1", 0.5, "");
     let orbit = &orbits(&scene.model().unwrap(), "0-").orbits[1];
     let settings = [Setting::Damping, Setting::Restitution(0)];
-    let (free, values) = (family(&scene, &settings), [1.0, 0.5]);
     let fold = branches(
         orbit,
         &family(&scene, &settings[..1]),
@@ -275,8 +276,9 @@ fn a_curve_of_folds_has_no_second_multiplier() {
     );
     let fold = fold.unwrap();
     let fold = fold.branches[0].events().next().unwrap();
-    let window = Rectangle { from: [0.9, 0.45], to: [1.1, 0.55] };
-    let curve = event_curve(fold, &free, [fold.value, values[1]], window, 1e-3, &Stop::default()).unwrap();
+    let window = Window { from: [0.9, 0.45], to: [1.1, 0.55] };
+    let numbers = numbers(&scene, &settings).unwrap();
+    let curve = event_curves([fold], &numbers, &Walk::new(window, 1e-3)).unwrap().remove(0);
     assert!(curve.special.is_empty(), "{:?}", curve.special);
     let mut checked = 0;
     for point in &curve.points {

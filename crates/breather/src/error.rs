@@ -85,6 +85,11 @@ pub enum BreatherError {
          no dashpots"
     )]
     LossWithoutLoad,
+    /// What varies brings a load to an orbit without one: it has no phase to begin with.
+    #[error(
+        "the orbit has no load, which what varies would bring: vary a number that brings none, or start under a load"
+    )]
+    LoadWithoutPhase,
     /// Periods of a load that there is not.
     #[error(
         "force-periods = {force_periods}: no load acts, and a self-excited orbit has a period of its own; leave them out"

@@ -77,7 +77,7 @@ pub use search::orbit_list::OrbitList;
 pub use search::words::ended::{End, Ended};
 pub use structures::branch::continuation::{Branch, BranchPoint, Continuation};
 pub use structures::branch::departure::Departure;
-pub use structures::branch::family::ModelFamily;
+pub use structures::branch::family::{FreeNumbers, ModelFamily};
 pub use structures::condition::Condition;
 pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::ContactMotion;

@@ -72,8 +72,7 @@ mod zeros;
 pub use all_multipliers::Multipliers;
 pub use analyser::{Analyser, Stability, stability};
 pub use curve::{
-    CurveEnd, CurveError, CurvePoint, EventCurve, Rectangle, Special, SpecialPoint, Walk, Window, curve, curve_along,
-    event_curve,
+    CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, event_curve, event_curves,
 };
 pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;

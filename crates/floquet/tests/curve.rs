@@ -3,13 +3,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use vibrochain_breather::{Family, Finder, Orbit, breathers};
+use vibrochain_breather::{BreatherError, Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
-    Analyser, CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Walk, Window, curve, curve_along,
-    locate, stability,
+    Analyser, CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Walk, event_curve, locate, stability,
 };
-use vibrochain_lattice::{Chain, Model, Parameter, Point};
-use vibrochain_testkit::Random;
+use vibrochain_lattice::{Chain, Model, Parameter, Point, Stop};
+use vibrochain_testkit::{Plane, Random};
 
 const TOLERANCE: f64 = 1e-6;
 
@@ -27,22 +26,22 @@ fn first(model: &Model, family: Family) -> Orbit {
 }
 
 /// The curve through the first event that a search along one parameter finds.
-fn followed(orbit: &Orbit, event: Event, free: Parameter, window: &Window, tolerance: f64) -> EventCurve {
+fn followed(orbit: &Orbit, event: Event, free: Parameter, window: &Plane, tolerance: f64) -> EventCurve {
     let found = locate(orbit, &Search::new(orbit, event, free)).unwrap();
     let located = found.located.first().unwrap();
-    curve(&located.orbit, event, located.evidence, window, tolerance).unwrap()
+    window.curve(&located.orbit, event, located.evidence, tolerance).unwrap()
 }
 
-fn amplitudes_and_restitutions() -> Window {
-    Window { parameters: [Parameter::Amplitude, Parameter::Restitution], from: [0.05, 0.05], to: [0.4, 1.0] }
+fn amplitudes_and_restitutions() -> Plane {
+    Plane::new([Parameter::Amplitude, Parameter::Restitution], [0.05, 0.05], [0.4, 1.0])
 }
 
-fn frequencies_and_couplings() -> Window {
-    Window { parameters: [Parameter::Omega, Parameter::Gamma2], from: [0.4, 0.0], to: [3.0, 0.3] }
+fn frequencies_and_couplings() -> Plane {
+    Plane::new([Parameter::Omega, Parameter::Gamma2], [0.4, 0.0], [3.0, 0.3])
 }
 
 /// How far a straight line between two points is from the event, as a part of the window, by a search along the axis that it crosses.
-fn sagitta(curve: &EventCurve, i: usize, window: &Window) -> Option<f64> {
+fn sagitta(curve: &EventCurve, i: usize, window: &Plane) -> Option<f64> {
     let (from, to) = (&curve.points[i], &curve.points[i + 1]);
     let middle = [0, 1].map(|k| 0.5 * (from.values[k] + to.values[k]));
     let [dx, dy] = [0, 1].map(|k| (to.values[k] - from.values[k]) / window.sides()[k]);
@@ -68,7 +67,7 @@ fn sagitta(curve: &EventCurve, i: usize, window: &Window) -> Option<f64> {
 #[test]
 fn straight_lines_between_points_err_by_no_more_than_asked() {
     // Nearer to the modes the curve lies in many folds, and others double within what is searched.
-    let plane = Window { parameters: [Parameter::Omega, Parameter::Amplitude], from: [1.02, 0.02], to: [1.6, 0.6] };
+    let plane = Plane::new([Parameter::Omega, Parameter::Amplitude], [1.02, 0.02], [1.6, 0.6]);
     let (single, double) = (first(&forced(1.07, 0.8, 0.165, 0.25), Family::SingleSided), Family::DoubleSided);
     let cases = [
         (single.clone(), Event::Grazing, Parameter::Amplitude, amplitudes_and_restitutions()),
@@ -157,7 +156,7 @@ fn a_curve_is_the_same_from_another_of_its_points() {
     assert!(at_edges, "{ends:?}");
     let mut checked = 0;
     for point in whole.points.iter().step_by(60) {
-        let again = curve(&point.orbit, Event::Fold, whole.evidence, &window, TOLERANCE).unwrap();
+        let again = window.curve(&point.orbit, Event::Fold, whole.evidence, TOLERANCE).unwrap();
         let mut others: Vec<[f64; 2]> =
             [again.points.first(), again.points.last()].map(|end| end.unwrap().values).to_vec();
         others.sort_by(|a, b| a[1].total_cmp(&b[1]));
@@ -175,7 +174,7 @@ fn impulses_that_are_rounding_all_along_end_no_curve() {
     let chain = Chain::new(1, 1.0, 0.0).unwrap();
     let truth = |omega: f64| 0.1 * (1.0 - omega * omega).abs();
     for (from, to) in [(0.7, 0.98), (1.1, 1.9), (2.1, 2.9)] {
-        let window = Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [1e-4, from], to: [1.0, to] };
+        let window = Plane::new([Parameter::Amplitude, Parameter::Omega], [1e-4, from], [1.0, to]);
         for start in [0.3, 0.8] {
             let omega = from + start * (to - from);
             let point = chain.point().omega(omega).asymmetry(0.9);
@@ -187,7 +186,7 @@ fn impulses_that_are_rounding_all_along_end_no_curve() {
                 let found = locate(orbit, &search).unwrap();
                 let near = |value: f64| (value - truth(omega)).abs() < 1e-9;
                 let Some(located) = found.located.iter().find(|one| near(one.value)) else { continue };
-                let curve = curve(&located.orbit, Event::Grazing, located.evidence, &window, 1e-4).unwrap();
+                let curve = window.curve(&located.orbit, Event::Grazing, located.evidence, 1e-4).unwrap();
                 assert_eq!(curve.ends, [CurveEnd::Edge, CurveEnd::Edge], "{from} {start}");
                 assert!(curve.special.is_empty(), "{from} {start}: {:?}", curve.special);
                 assert!(curve.points.iter().all(|point| point.physical == Some(true)), "{from} {start}");
@@ -212,7 +211,7 @@ fn a_curve_ends_where_impulses_grow_without_bound() {
     let found = locate(&orbit, &Search::new(&orbit, Event::PeriodDoubling, Parameter::Omega)).unwrap();
     let mut unbounded = 0;
     for located in &found.located {
-        let curve = curve(&located.orbit, Event::PeriodDoubling, located.evidence, &window, 1e-4).unwrap();
+        let curve = window.curve(&located.orbit, Event::PeriodDoubling, located.evidence, 1e-4).unwrap();
         assert!(curve.points.len() < 5000 && !curve.ends.contains(&CurveEnd::Long), "{}", curve.points.len());
         for (end, point) in curve.ends.iter().zip([curve.points.first(), curve.points.last()]) {
             if *end == CurveEnd::Unbounded {
@@ -227,7 +226,7 @@ fn a_curve_ends_where_impulses_grow_without_bound() {
 /// Towards the modes resonances fold it again and again; it was lost at ω = 1.0104 once.
 #[test]
 fn a_curve_goes_on_between_resonances() {
-    let plane = Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [0.02, 0.8], to: [0.6, 1.6] };
+    let plane = Plane::new([Parameter::Amplitude, Parameter::Omega], [0.02, 0.8], [0.6, 1.6]);
     let single = first(&forced(1.07, 0.8, 0.165, 0.25), Family::SingleSided);
     let curve = followed(&single, Event::PeriodDoubling, Parameter::Amplitude, &plane, 1e-6);
     let beyond: Vec<_> = curve.points.iter().filter(|point| point.values[1] < 1.0103).collect();
@@ -254,7 +253,7 @@ fn curves_of_modes_end_where_masses_are_not_coupled() {
     let mut ends = Vec::new();
     for located in &found.located {
         let curve =
-            curve(&located.orbit, Event::NeimarkSacker, located.evidence, &frequencies_and_couplings(), 1e-6).unwrap();
+            frequencies_and_couplings().curve(&located.orbit, Event::NeimarkSacker, located.evidence, 1e-6).unwrap();
         assert!(!curve.ends.iter().any(|end| matches!(end, CurveEnd::Lost(_))), "{:?}", curve.ends);
         let points = [curve.points.first(), curve.points.last()];
         let there = curve.ends.iter().zip(points).filter(|(end, _)| **end == CurveEnd::Uncoupled);
@@ -272,12 +271,13 @@ fn what_cannot_be_followed_is_told() {
     let found = locate(&orbit, &Search::new(&orbit, Event::Grazing, Parameter::Omega)).unwrap();
     let (start, evidence) = (&found.located[0].orbit, found.located[0].evidence);
     let with = |parameters, tolerance| {
-        let window = Window { parameters, ..frequencies_and_couplings() };
-        curve(start, Event::Grazing, evidence, &window, tolerance).unwrap_err()
+        let window = Plane { parameters, ..frequencies_and_couplings() };
+        window.curve(start, Event::Grazing, evidence, tolerance).unwrap_err()
     };
-    assert_eq!(with([Parameter::Omega; 2], 1e-6), CurveError::Same(Parameter::Omega));
+    assert_eq!(with([Parameter::Omega; 2], 1e-6), CurveError::Same("omega".to_owned()));
     assert_eq!(with([Parameter::Omega, Parameter::Gamma2], 0.1), CurveError::Tolerance(0.1));
-    assert_eq!(with([Parameter::Omega, Parameter::Amplitude], 1e-6), CurveError::NoForce(Parameter::Amplitude));
+    let force = with([Parameter::Omega, Parameter::Amplitude], 1e-6);
+    assert_eq!(force, CurveError::Branch(BreatherError::LoadWithoutPhase.into()));
     let message = with([Parameter::Gamma1, Parameter::Gamma2], 1e-6).to_string();
     assert!(message.contains("gamma1 = 0.2 is not in the window from 0.4 to 3"), "{message}");
 }
@@ -332,7 +332,7 @@ fn folds_meet_in_a_cusp_where_three_breathers_merge() {
         ring.omega(0.93).asymmetry(asymmetry).amplitude(amplitude).restitution(0.76).model().unwrap()
     };
     let list = |model: &Model| breathers(model, Family::DoubleSided).unwrap().orbits;
-    let window = Window { parameters: [Parameter::Asymmetry, Parameter::Amplitude], from: [0.3, 2.2], to: [0.95, 3.0] };
+    let window = Plane::new([Parameter::Asymmetry, Parameter::Amplitude], [0.3, 2.2], [0.95, 3.0]);
     let start = list(&at(0.64, 2.55));
     // The formula is that of the family: it gives the asymmetry back.
     let own: Vec<&Orbit> = start
@@ -345,7 +345,7 @@ fn folds_meet_in_a_cusp_where_three_breathers_merge() {
         let search = Search { from: 0.3, to: 0.95, ..Search::new(orbit, Event::Fold, Parameter::Asymmetry) };
         for located in locate(orbit, &search).unwrap().located {
             folds += 1;
-            let curve = curve(&located.orbit, Event::Fold, located.evidence, &window, TOLERANCE).unwrap();
+            let curve = window.curve(&located.orbit, Event::Fold, located.evidence, TOLERANCE).unwrap();
             let special = curve.special.iter().find(|special| special.special == Special::Cusp);
             let Some(special) = special else { continue };
             met += 1;
@@ -392,9 +392,10 @@ fn an_edge_that_comes_to_a_resonance_is_told_up_to_there() {
     let (event, free) = (Event::NeimarkSacker, Parameter::Omega);
     let found = locate(&orbit, &Search { event, free, from: 0.4836, to: 0.4837 }).unwrap();
     let located = found.located.iter().find(|one| (one.value - 0.48365595).abs() < 1e-8).unwrap();
-    let window = Window { parameters: [Parameter::Omega, Parameter::Gamma2], from: [0.4, 0.0], to: [3.0, 0.3] };
-    let walk = Walk { special: false, ..Walk::new(window, 1e-6) };
-    let edge = curve_along(&located.orbit, event, located.evidence, &walk).unwrap();
+    let window = Plane::new([Parameter::Omega, Parameter::Gamma2], [0.4, 0.0], [3.0, 0.3]);
+    let walk = Walk { special: false, ..Walk::new(window.window, 1e-6) };
+    let numbers = located.orbit.lattice().unwrap().numbers(&window.parameters, &Stop::default());
+    let edge = event_curve(&located.orbit, event, located.evidence, &numbers, &walk).unwrap();
     let [first, last] = [0, edge.points.len() - 1].map(|i| edge.points[i].values);
     let corner = first[1].min(last[1]);
     assert!(edge.points.len() > 20 && corner < 1e-4, "{} {first:?} {last:?}", edge.points.len());

@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 
 use vibrochain_breather::{Family, Orbit, Word, breathers};
 use vibrochain_floquet::{
-    BranchRequest, Course, End, Event, Evidence, FollowedBranch, Located, Rectangle, Special, SpecialPoint, Tolerance,
-    Window, branches, curve, diagram, event_curve,
+    BranchRequest, Course, End, Event, Evidence, FollowedBranch, Located, Special, SpecialPoint, Tolerance, Walk,
+    Window, branches, diagram, event_curves,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
-use vibrochain_maps::structure::along::family;
+use vibrochain_maps::structure::along::{family, numbers};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 fn scene(text: &str) -> StructureScene {
@@ -128,10 +128,10 @@ fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
             continue;
         };
         assert!((event.value - grazing(0.8)).abs() <= event.error + 1e-15, "{} ± {}", event.value, event.error);
-        let window = Rectangle { from: [0.05, 0.45], to: [3.0, 1.9] };
+        let window = Window { from: [0.05, 0.45], to: [3.0, 1.9] };
         let settings = [Setting::Load, Setting::Omega];
         let answer =
-            event_curve(event, &family(&scene, &settings), [event.value, 0.8], window, 1e-4, &Stop::default()).unwrap();
+            event_curves([event], &numbers(&scene, &settings).unwrap(), &Walk::new(window, 1e-4)).unwrap().remove(0);
         assert!(answer.points.len() > 30);
         for point in &answer.points {
             let [load, omega] = point.values;
@@ -148,18 +148,19 @@ fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
 /// A curve of period doublings, of folds and of Neimark–Sacker points is where the chain's own engine has it.
 #[test]
 fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
-    let numbers = [0.2, 0.1, 1.07, 0.8, 0.165, 0.25];
-    let scene = chain(5, numbers);
+    let values = [0.2, 0.1, 1.07, 0.8, 0.165, 0.25];
+    let scene = chain(5, values);
     let found = scene.model().unwrap().orbits(&"0-".parse().unwrap(), 1).unwrap();
-    let window = Rectangle { from: [0.12, 1.03], to: [0.3, 1.12] };
+    let window = Window { from: [0.12, 1.03], to: [0.3, 1.12] };
     let settings = [Setting::Load, Setting::Omega];
     let (mut seen, mut special) = (BTreeSet::new(), BTreeSet::new());
     for orbit in &found.orbits {
         let own = branch(&scene, orbit, Setting::Load, [window.from[0], window.to[0]]);
         for event in own.events().filter(|one| seen.insert(one.event.name())) {
-            let start = [event.value, 1.07];
-            let mine = event_curve(event, &family(&scene, &settings), start, window, 1e-4, &Stop::default()).unwrap();
-            let chains = breathers(&model(5, numbers), Family::SingleSided).unwrap().orbits;
+            let mine = event_curves([event], &numbers(&scene, &settings).unwrap(), &Walk::new(window, 1e-4))
+                .unwrap()
+                .remove(0);
+            let chains = breathers(&model(5, values), Family::SingleSided).unwrap().orbits;
             let mut asked = Course::new(&chains[0], Parameter::Amplitude);
             (asked.from, asked.to) = (window.from[0], window.to[0]);
             let located = chains.iter().find_map(|orbit| {
@@ -171,14 +172,8 @@ fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
             });
             let located = located.unwrap();
             let parameters = [Parameter::Amplitude, Parameter::Omega];
-            let theirs = curve(
-                &located.orbit,
-                located.event,
-                located.evidence,
-                &Window { parameters, from: window.from, to: window.to },
-                1e-4,
-            )
-            .unwrap();
+            let free = located.orbit.lattice().unwrap().numbers(&parameters, &Stop::default());
+            let theirs = event_curves([&located], &free, &Walk::new(window, 1e-4)).unwrap().remove(0);
             assert!(mine.points.len() > 10 && theirs.points.len() > 10, "{}", event.event);
             // Every point of one is on the other's line, and both reach as far.
             for (points, line) in
@@ -215,7 +210,7 @@ fn places(points: &[vibrochain_floquet::CurvePoint]) -> Vec<[f64; 2]> {
 }
 
 /// How far a place is from a straight line between two others, as a part of the window's sides.
-fn distance(window: &Rectangle, place: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
+fn distance(window: &Window, place: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
     let place = window.parts(place);
     let [from, to] = ends.map(|end| window.parts(end));
     let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);

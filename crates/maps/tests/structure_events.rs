@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 
 use vibrochain_breather::Orbit;
 use vibrochain_floquet::{
-    BranchRequest, Complex, Diagram, End, Event, FollowedBranch, Rectangle, Tolerance, branches, event_curve, stability,
+    BranchRequest, Complex, Diagram, End, Event, FollowedBranch, Tolerance, Walk, Window, branches, event_curves,
+    stability,
 };
 use vibrochain_lattice::Stop;
-use vibrochain_maps::structure::along::family;
+use vibrochain_maps::structure::along::{family, numbers};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 fn scene(name: &str) -> StructureScene {
@@ -81,13 +82,12 @@ fn symmetry_is_lost_where_it_is_lost_by_hand() {
 #[test]
 fn a_loss_of_symmetry_is_followed_as_a_curve() {
     let scene = scene("impact-pair.toml");
-    let window = Rectangle { from: [0.3, 0.3], to: [3.0, 3.0] };
+    let window = Window { from: [0.3, 0.3], to: [3.0, 3.0] };
     let settings = [Setting::Omega, Setting::Load];
     let orbit = &orbits(&scene)[0];
     let branch = branch(&scene, (orbit, 1.0), Setting::Omega, [0.7, 1.4]);
     let lost = branch.events().find(|one| one.event == Event::Pitchfork).unwrap();
-    let start = [lost.value, 1.0];
-    let curve = event_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()).unwrap();
+    let curve = event_curves([lost], &numbers(&scene, &settings).unwrap(), &Walk::new(window, 1e-3)).unwrap().remove(0);
     assert!(curve.points.len() > 10, "{:?}", curve.ends);
     for point in &curve.points {
         let off = (point.values[0] - pitchfork_of_a_ball(point.values[1], 0.6)).abs();
@@ -104,9 +104,8 @@ fn a_loss_of_symmetry_is_followed_as_a_curve() {
         let branch = self::branch(&scene, (orbit, 1.0), Setting::Omega, [0.7, 1.6]);
         for lost in branch.events().filter(|one| one.event == Event::Pitchfork) {
             let settings = [Setting::Omega, "contact.0.upper".parse().unwrap()];
-            let window = Rectangle { from: [0.7, 0.5], to: [1.6, 1.5] };
-            let start = [lost.value, 1.0];
-            match event_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()) {
+            let window = Window { from: [0.7, 0.5], to: [1.6, 1.5] };
+            match event_curves([lost], &numbers(&scene, &settings).unwrap(), &Walk::new(window, 1e-3)) {
                 Err(error) => {
                     assert!(error.to_string().contains("orbits of this symmetry"), "{error}");
                     refused.push(lost.value);
@@ -114,7 +113,7 @@ fn a_loss_of_symmetry_is_followed_as_a_curve() {
                 // From an asymmetric orbit next to it: folds, of which it is the cusp.
                 Ok(curve) => {
                     assert!(lost.error > 1e-12, "{}", lost.error);
-                    cusps.push(curve);
+                    cusps.extend(curve);
                 }
             }
         }

@@ -3,7 +3,8 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Walk, Window, curve_along};
+use vibrochain_breather::BranchError;
+use vibrochain_floquet::{CurveError, CurvePoint, Event, EventCurve, Search, Walk, Window, event_curve};
 use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_maps::followed::touch;
 
@@ -160,12 +161,13 @@ pub(crate) fn curve(
     let free = [point.free, parameter("and_", and_)?];
     let usual = free.map(|parameter| Search::new(&orbit, event, parameter));
     let window = Window {
-        parameters: free,
         from: [from_.unwrap_or(usual[0].from), and_from.unwrap_or(usual[1].from)],
         to: [to.unwrap_or(usual[0].to), and_to.unwrap_or(usual[1].to)],
     };
     let follow = move |stop: &Stop| {
-        curve_along(&orbit, event, evidence, &Walk { stop: stop.clone(), ..Walk::new(window, tolerance) })
+        let lattice = orbit.lattice().map_err(BranchError::from).map_err(CurveError::from)?;
+        let numbers = lattice.numbers(&free, stop);
+        event_curve(&orbit, event, evidence, &numbers, &Walk { stop: stop.clone(), ..Walk::new(window, tolerance) })
     };
     Ok(PyEventCurve::new(long(py, |_| Ok(()), follow)?, free))
 }

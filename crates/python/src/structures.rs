@@ -6,11 +6,13 @@ use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use vibrochain_breather::{BreatherError, ContactMotion, LoadedStructure, Orbit, OrbitList, Word};
-use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
+use vibrochain_floquet::{
+    BranchRequest, Diagram, Event, FollowedBranch, Station, Tolerance, Walk, Window, branches, event_curves,
+};
 use vibrochain_lattice::{Barrier, Stop};
 use vibrochain_maps::followed::touch;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{curves, event, family, value};
+use vibrochain_maps::structure::along::{event, family, numbers, value};
 use vibrochain_maps::structure::answer::json as answer_of;
 use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
@@ -184,9 +186,10 @@ pub(crate) fn _structure_along(
         let course = BranchRequest { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: excess };
         let found = branches(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
         let followed = match free[..] {
-            [(first, _), (second, value)] => {
-                let window = Rectangle { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
-                curves(&scene, ([first, second], value), found.branches[0].events(), (window, tolerance), stop)?
+            [(first, _), (second, _)] => {
+                let window = Window { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
+                let walk = Walk { stop: stop.clone(), ..Walk::new(window, tolerance) };
+                event_curves(found.branches[0].events(), &numbers(&scene, &[first, second])?, &walk)?
             }
             _ => Vec::new(),
         };

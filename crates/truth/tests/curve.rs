@@ -4,9 +4,9 @@
 use std::f64::consts::PI;
 
 use vibrochain_breather::{Branch, Family, Hit, Orbit, breathers};
-use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Window, curve, locate};
+use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, locate};
 use vibrochain_lattice::{Chain, Model, Parameter, Point, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::{Plane, Random};
 use vibrochain_truth::{Complex, DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
 fn forced(omega: f64, asymmetry: f64, amplitude: f64, restitution: f64) -> Model {
@@ -14,11 +14,11 @@ fn forced(omega: f64, asymmetry: f64, amplitude: f64, restitution: f64) -> Model
     ring.omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
-fn followed(model: &Model, family: Family, event: Event, window: &Window) -> EventCurve {
+fn followed(model: &Model, family: Family, event: Event, window: &Plane) -> EventCurve {
     let orbit = &breathers(model, family).unwrap().orbits[0];
     let found = locate(orbit, &Search::new(orbit, event, Parameter::Amplitude)).unwrap();
     let located = found.located.first().unwrap();
-    curve(&located.orbit, event, located.evidence, window, 1e-4).unwrap()
+    window.curve(&located.orbit, event, located.evidence, 1e-4).unwrap()
 }
 
 /// The orbit with its second impact half a period after the first, and as strong.
@@ -49,8 +49,8 @@ fn side(orbit: &Orbit, event: Event, point: &CurvePoint) -> bool {
 }
 
 /// Curves, each from its first event along the amplitude.
-fn cases() -> Vec<(Model, Family, Event, Window)> {
-    let window = |second, from, to| Window { parameters: [Parameter::Amplitude, second], from, to };
+fn cases() -> Vec<(Model, Family, Event, Plane)> {
+    let window = |second, from, to| Plane::new([Parameter::Amplitude, second], from, to);
     let doubling = forced(1.07, 0.8, 0.165, 0.25);
     let pair = forced(1.5, 0.4, 0.1, 0.9);
     let centred = Point::ring(21).gamma1(0.1).gamma2(0.05).omega(1.33).amplitude(1.5).restitution(0.9).model().unwrap();
@@ -65,7 +65,7 @@ fn cases() -> Vec<(Model, Family, Event, Window)> {
 }
 
 /// Whether the event is within the error of a point, along the axis that the curve crosses; `None` where no branch leads to both sides.
-fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
+fn encloses(curve: &EventCurve, i: usize, window: &Plane) -> Option<bool> {
     let (point, from, to) = (&curve.points[i], &curve.points[i - 1], &curve.points[i + 1]);
     let [dx, dy] = [0, 1].map(|k| (to.values[k] - from.values[k]).abs() / window.sides()[k]);
     // Farther, as the curve crosses it aslant.
@@ -121,11 +121,11 @@ fn check(each: usize) -> usize {
 fn next_to_a_resonance_events_are_where_curves_say() {
     let model = Model::conservative(Chain::new(6, 0.2, 0.15).unwrap(), 1.3, 0.4).unwrap();
     let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
-    let window = Window { parameters: [Parameter::Omega, Parameter::Gamma2], from: [0.4, 0.0], to: [3.0, 0.3] };
+    let window = Plane::new([Parameter::Omega, Parameter::Gamma2], [0.4, 0.0], [3.0, 0.3]);
     let found = locate(orbit, &Search::new(orbit, Event::PeriodDoubling, Parameter::Omega)).unwrap();
     let (mut checked, mut claimed) = (0, 0);
     for located in &found.located {
-        let curve = curve(&located.orbit, located.event, located.evidence, &window, 1e-4).unwrap();
+        let curve = window.curve(&located.orbit, located.event, located.evidence, 1e-4).unwrap();
         let near = |i: &usize| {
             let chain = curve.points[*i].orbit.model().unwrap().chain();
             let ratios = Spectrum::new(*chain).frequencies().to_vec();

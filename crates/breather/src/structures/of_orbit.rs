@@ -6,7 +6,7 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
 
 use super::branch::continuation::Branch;
-use super::branch::family::ModelFamily;
+use super::branch::family::{FreeNumbers, ModelFamily};
 use super::masses::Masses;
 use super::model::LoadedStructure;
 use super::orbit::ContactOrbit;
@@ -176,6 +176,16 @@ impl LatticeOrbit<'_> {
             free.iter().zip(values).try_fold(lattice, set).map_err(|error: ParameterError| error.to_string())
         };
         remembering(at, self.hit_sites(), stop)
+    }
+
+    /// The same, with where the parameters are.
+    pub fn numbers(self, free: &[Parameter], stop: &Stop) -> FreeNumbers {
+        FreeNumbers {
+            models: self.models(free, stop),
+            start: free.iter().map(|parameter| self.model().get(*parameter)).collect(),
+            names: free.iter().map(|parameter| parameter.name().to_owned()).collect(),
+            coupling: free.iter().position(|parameter| *parameter == Parameter::Gamma2),
+        }
     }
 }
 

@@ -1,10 +1,9 @@
 //! Breathers of a chain as its parameters vary.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{Finder, FreeNumbers, Orbit};
 use vibrochain_floquet::{
-    BranchRequest, Course, Diagram, Event, EventCurve, Located, Rectangle, Search, Tolerance, Walk, Window,
-    curve_along, diagram_until, locate_until,
+    BranchRequest, Course, Diagram, Event, EventCurve, Search, Tolerance, diagram_until, locate_until,
 };
 use vibrochain_lattice::{Model, Parameter, Part, Stop};
 use vibrochain_maps::caption::{describe_without, in_common, in_words};
@@ -148,23 +147,7 @@ impl Along for ChainAlong {
         Ok(Events { located: found.located, unresolved: found.unresolved, ends: found.ends.into(), counts })
     }
 
-    fn curves(
-        &self,
-        parameters: [Parameter; 2],
-        located: &[Located],
-        (Rectangle { from, to }, tolerance): (Rectangle, f64),
-        stop: &Stop,
-    ) -> Result<Vec<EventCurve>, CliError> {
-        let window = Window { parameters, from, to };
-        let walk = Walk { stop: stop.clone(), ..Walk::new(window, tolerance) };
-        let mut curves: Vec<EventCurve> = Vec::new();
-        for located in located {
-            let Some(model) = located.orbit.model() else { continue };
-            let place = (window.place(model), &located.orbit);
-            if !curves.iter().any(|curve| curve.passes(place, tolerance, |values| window.parts(values))) {
-                curves.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
-            }
-        }
-        Ok(curves)
+    fn numbers(&self, free: [Parameter; 2], stop: &Stop) -> Result<FreeNumbers, CliError> {
+        Ok(self.start.orbit.lattice()?.numbers(&free, stop))
     }
 }

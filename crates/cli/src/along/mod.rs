@@ -5,10 +5,8 @@ mod outputs;
 mod structure;
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::Orbit;
-use vibrochain_floquet::{
-    BranchRequest, Diagram, End, Event, EventCurve, Evidence, Located, Rectangle, Tolerance, Unresolved,
-};
+use vibrochain_breather::{FreeNumbers, Orbit};
+use vibrochain_floquet::{BranchRequest, Diagram, End, Event, EventCurve, Evidence, Located, Tolerance, Unresolved};
 use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::followed::place;
 use vibrochain_maps::numbers::Number;
@@ -75,14 +73,8 @@ pub(crate) trait Along: Sized {
     fn head(&self) -> Map<String, Value>;
     fn diagram(&self, free: Self::Free, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError>;
     fn located(&self, event: Event, free: Self::Free, range: [f64; 2], stop: &Stop) -> Result<Events, CliError>;
-    /// The curves of events along the first of two numbers, each followed once.
-    fn curves(
-        &self,
-        free: [Self::Free; 2],
-        located: &[Located],
-        how: (Rectangle, f64),
-        stop: &Stop,
-    ) -> Result<Vec<EventCurve>, CliError>;
+    /// The numbers that vary along curves, from where they begin.
+    fn numbers(&self, free: [Self::Free; 2], stop: &Stop) -> Result<FreeNumbers, CliError>;
 
     /// Which orbits, what is fixed, and where the number that varies begins.
     fn heading(&self, free: Self::Free) -> Result<String, CliError> {

@@ -1,12 +1,12 @@
 //! Orbits of a structure as its numbers vary.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{Finder, LoadedStructure, Orbit};
-use vibrochain_floquet::{BranchRequest, Diagram, Event, EventCurve, Located, Rectangle, Tolerance, branches};
+use vibrochain_breather::{Finder, FreeNumbers, LoadedStructure, Orbit};
+use vibrochain_floquet::{BranchRequest, Diagram, Event, EventCurve, Tolerance, branches};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{curves, family, value};
+use vibrochain_maps::structure::along::{family, numbers, value};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -122,13 +122,7 @@ impl Along for StructureAlong {
         Ok(Events { located, unresolved: branch.unresolved, ends: branch.ends, counts })
     }
 
-    fn curves(
-        &self,
-        free: [Setting; 2],
-        located: &[Located],
-        how: (Rectangle, f64),
-        stop: &Stop,
-    ) -> Result<Vec<EventCurve>, CliError> {
-        Ok(curves(&self.scene, (free, self.value(free[1])?), located, how, stop)?)
+    fn numbers(&self, free: [Setting; 2], _: &Stop) -> Result<FreeNumbers, CliError> {
+        Ok(numbers(&self.scene, &free)?)
     }
 }

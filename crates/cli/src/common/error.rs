@@ -135,7 +135,7 @@ impl From<FloquetError> for CliError {
 impl From<CurveError> for CliError {
     fn from(error: CurveError) -> Self {
         match error {
-            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::NoForce(_) | CurveError::Tolerance(_) => {
+            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::Numbers(_) | CurveError::Tolerance(_) => {
                 Self::Request(error.to_string())
             }
             CurveError::Branch(BranchError::Breather(breather)) => breather.into(),

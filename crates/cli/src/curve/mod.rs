@@ -5,7 +5,7 @@ pub(crate) mod table;
 use std::fmt::Write as _;
 
 use serde_json::json;
-use vibrochain_floquet::{CurveError, Event, EventCurve, Rectangle};
+use vibrochain_floquet::{CurveError, Event, EventCurve, Walk, Window, event_curves as event_curves_of};
 use vibrochain_maps::followed::{curve_rows, touch};
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
@@ -51,7 +51,8 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
     let nothing = event_curves("", labels.clone(), (from, to), (&[], &[]));
     pictures.fit(|page| curves_picture(&nothing, page))?;
     let found = along.located(args.event, free[0], range, &stop)?;
-    let curves = along.curves(free, &found.located, (Rectangle { from, to }, args.tolerance), &stop)?;
+    let walk = Walk { stop: stop.clone(), ..Walk::new(Window { from, to }, args.tolerance) };
+    let curves = event_curves_of(&found.located, &along.numbers(free, &stop)?, &walk)?;
     let touches: Vec<String> = curves.iter().map(touch).collect();
     let text = if args.json {
         let mut told = answer(&along, if A::OF_CHAINS { CURVE } else { STRUCTURE_CURVE }, json!(names));

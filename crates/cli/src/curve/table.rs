@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use vibrochain_floquet::{CurvePoint, EventCurve, Window};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::{CurveRow as Row, special};
@@ -15,9 +16,18 @@ pub(crate) fn header(parameters: [&str; 2]) -> [&str; 12] {
     ["curve", "event", x, y, "error", "special", "special_error", "angle", "physical", "impulses", "phi", "psi"]
 }
 
+/// What varies, and from where to where.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Plane {
+    #[serde(rename = "free")]
+    pub(crate) parameters: [Parameter; 2],
+    #[serde(flatten)]
+    pub(crate) window: Window,
+}
+
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct About<W = Window> {
+pub(crate) struct About<W = Plane> {
     /// That was looked at.
     #[serde(flatten)]
     pub(crate) window: W,

@@ -232,16 +232,16 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
 
 fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
     let (rows, about): (_, crate::curve::table::About) = read(source, "curve")?;
-    let window = about.window;
+    let crate::curve::table::Plane { parameters, window } = about.window;
     let is_range = (0..2).all(|i| window.from[i] < window.to[i]);
-    if !is_range || table.columns()[2..4] != window.parameters.map(Parameter::name) {
+    if !is_range || table.columns()[2..4] != parameters.map(Parameter::name) {
         return Err(table.wrong(&format!("its columns are not those of the window in {}", source.display())));
     }
     let mut curves = Vec::new();
     table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
     let picture = vibrochain_plot::event_curves(
         &about.heading,
-        labels(window.parameters),
+        labels(parameters),
         (window.from, window.to),
         (&curves, &about.touches),
     );

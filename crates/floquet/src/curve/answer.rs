@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 use vibrochain_breather::{BranchError, BreatherError, Orbit};
-use vibrochain_lattice::{Model, Parameter, Resonance, Short, Stop, Stopped};
+use vibrochain_lattice::{Resonance, Short, Stop, Stopped};
 
 use crate::locate::{Event, Evidence};
 
@@ -12,13 +12,10 @@ use crate::locate::{Event, Evidence};
 const ON_IT: f64 = 2.0;
 const ALIKE: f64 = 1e-3;
 
-/// A rectangle in the plane of two parameters.
+/// A rectangle in the plane of two numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Window {
-    /// The two.
-    #[cfg_attr(feature = "serde", serde(rename = "free"))]
-    pub parameters: [Parameter; 2],
     /// Least values.
     pub from: [f64; 2],
     /// Largest values.
@@ -27,21 +24,19 @@ pub struct Window {
 
 impl Window {
     /// The lengths of its sides.
+    #[must_use]
     pub fn sides(&self) -> [f64; 2] {
         [0, 1].map(|i| self.to[i] - self.from[i])
     }
 
     /// A place as parts of both sides.
+    #[must_use]
     pub fn parts(&self, values: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| (values[i] - self.from[i]) / (self.to[i] - self.from[i]))
     }
 
-    /// Where a model stands.
-    pub fn place(&self, model: &Model) -> [f64; 2] {
-        self.parameters.map(|parameter| model.get(parameter))
-    }
-
     /// Whether a place is in it.
+    #[must_use]
     pub fn holds(&self, values: [f64; 2]) -> bool {
         (0..2).all(|i| (self.from[i]..=self.to[i]).contains(&values[i]))
     }
@@ -210,14 +205,9 @@ pub struct EventCurve {
 }
 
 impl EventCurve {
-    /// Whether an orbit at a place is one of it, as far as places and impulses tell: within a few tolerances. `parts` makes parts of the window's
-    /// sides of values.
-    pub fn passes(
-        &self,
-        (place, orbit): ([f64; 2], &Orbit),
-        tolerance: f64,
-        parts: impl Fn([f64; 2]) -> [f64; 2],
-    ) -> bool {
+    /// Whether an orbit at a place is one of it, as far as places and impulses tell: within a few tolerances.
+    pub fn passes(&self, (place, orbit): ([f64; 2], &Orbit), &Walk { window, tolerance, .. }: &Walk<'_>) -> bool {
+        let parts = |values: [f64; 2]| window.parts(values);
         let (place, own) = (parts(place), orbit.impulses());
         let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         self.points.windows(2).any(|pair| {
@@ -242,10 +232,10 @@ impl EventCurve {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CurveError {
     /// The event is not in the window.
-    #[error("{} = {} is not in the window from {} to {}: give one around the start", parameter.name(), Short(*value), Short(*from), Short(*to))]
+    #[error("{name} = {} is not in the window from {} to {}: give one around the start", Short(*value), Short(*from), Short(*to))]
     Outside {
-        /// The parameter that is not.
-        parameter: Parameter,
+        /// The number that is not.
+        name: String,
         /// Its value.
         value: f64,
         /// Least value of the window.
@@ -253,12 +243,12 @@ pub enum CurveError {
         /// Largest value.
         to: f64,
     },
-    /// Both axes have the same parameter.
-    #[error("both parameters are {}: a curve needs two", .0.name())]
-    Same(Parameter),
-    /// A parameter that the orbit does not depend on or must not have.
-    #[error("a conservative orbit has no {}: vary gamma1, gamma2, omega or asymmetry, or start under a force", .0.name())]
-    NoForce(Parameter),
+    /// Both axes have the same number.
+    #[error("both parameters are {0}: a curve needs two")]
+    Same(String),
+    /// Not two numbers vary.
+    #[error("{0} numbers vary: a curve needs two")]
+    Numbers(usize),
     /// The tolerance is no number that steps could keep to.
     #[error("a tolerance of {0} is out of range: give one from 1e-12 to 0.01 of the window's sides")]
     Tolerance(f64),

@@ -1,64 +1,88 @@
-//! An event of orbits, followed through a window of two numbers of their structure.
+//! An event of orbits, followed through a window of two numbers of their model.
 
-use vibrochain_breather::{BranchError, Continuation, ModelFamily};
-use vibrochain_lattice::Stop;
+use vibrochain_breather::{BranchError, Continuation, FreeNumbers, Orbit};
 
-use super::answer::{CurveError, EventCurve};
+use super::answer::{CurveError, EventCurve, Walk};
 use super::tracer::CurveRequest;
 use super::way::followed;
 use crate::events::Watcher;
-use crate::locate::Located;
+use crate::locate::{Event, Evidence, Located};
 
-/// A rectangle in the plane of two numbers of a structure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
-    /// Least values.
-    pub from: [f64; 2],
-    /// Largest values.
-    pub to: [f64; 2],
-}
-
-impl Rectangle {
-    /// A place as parts of both sides.
-    #[must_use]
-    pub fn parts(&self, values: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| (values[i] - self.from[i]) / (self.to[i] - self.from[i]))
-    }
-
-    fn holds(&self, values: [f64; 2]) -> bool {
-        (0..2).all(|i| (self.from[i]..=self.to[i]).contains(&values[i]))
-    }
-}
-
-/// Follows the event that was located, of orbits of `family` at two values, both ways through a window. A straight line between neighbouring
-/// points is no farther than `tolerance` from the curve, as a part of the window's sides.
+/// Follows the event at `orbit` both ways through a window of two numbers, from where these begin. `evidence` is what shows it
+/// ([`Located`](crate::Located)).
 ///
 /// # Errors
 /// [`CurveError`]. What stops the curve on its way is its end, not an error.
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_floquet::{Event, Search, Walk, Window, event_curve, locate};
+/// use vibrochain_lattice::{Parameter, Point, Stop};
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
+/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
+/// let found = &locate(orbit, &Search::new(orbit, Event::PeriodDoubling, Parameter::Amplitude))?.located[0];
+/// let numbers = found.orbit.lattice()?.numbers(&[Parameter::Amplitude, Parameter::Restitution], &Stop::default());
+/// let walk = Walk::new(Window { from: [0.1, 0.2], to: [0.3, 0.3] }, 1e-4);
+/// let doubling = event_curve(&found.orbit, found.event, found.evidence, &numbers, &walk)?;
+/// assert!(doubling.points.len() > 10 && doubling.points.iter().all(|point| point.error < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn event_curve(
-    located: &Located,
-    family: &ModelFamily,
-    start: [f64; 2],
-    window: Rectangle,
-    tolerance: f64,
-    stop: &Stop,
+    orbit: &Orbit,
+    event: Event,
+    evidence: Evidence,
+    numbers: &FreeNumbers,
+    walk: &Walk<'_>,
 ) -> Result<EventCurve, CurveError> {
-    let Rectangle { from, to } = window;
-    if !((0..2).all(|i| from[i] < to[i]) && window.holds(start)) {
-        let message = format!("the start {start:?} is not in the window from {from:?} to {to:?}");
-        return Err(BranchError::Model(message).into());
-    }
-    if !(1e-12..=0.01).contains(&tolerance) {
-        return Err(CurveError::Tolerance(tolerance));
-    }
-    let sides = [0, 1].map(|i| to[i] - from[i]);
-    let &Located { event, evidence, ref orbit, .. } = located;
-    let (name, orbit) = (orbit.family(), orbit.followed(stop).map_err(BranchError::from)?);
-    let base = Continuation::through(&orbit, family.clone(), &start, &sides, stop)?;
-    let (until, window) = (&|_: [f64; 2], _: Option<bool>| false, [from, to]);
-    let asked = CurveRequest { event, evidence, name, window, tolerance, uncoupled: None, special: true, until };
-    let curve = followed((base, &orbit), Watcher::default(), &asked);
+    let &Walk { window, tolerance, ref stop, .. } = walk;
+    check(numbers, walk)?;
+    let start = orbit.followed(stop).map_err(BranchError::from)?;
+    let base = Continuation::through(&start, numbers.models.clone(), &numbers.start, &window.sides(), stop)?;
+    let uncoupled = numbers.coupling.filter(|&i| window.from[i] == 0.0);
+    let asked = CurveRequest { event, evidence, name: orbit.family(), window, tolerance, uncoupled, walk };
+    let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
-    curve
+    found
+}
+
+/// The curves of all these events along the first of two numbers, each followed once.
+///
+/// # Errors
+/// As [`event_curve`].
+pub fn event_curves<'a>(
+    located: impl IntoIterator<Item = &'a Located>,
+    numbers: &FreeNumbers,
+    walk: &Walk<'_>,
+) -> Result<Vec<EventCurve>, CurveError> {
+    let mut curves: Vec<EventCurve> = Vec::new();
+    for Located { event, evidence, orbit, value, .. } in located {
+        let start = std::iter::once(*value).chain(numbers.start.iter().copied().skip(1)).collect();
+        let numbers = FreeNumbers { start, ..numbers.clone() };
+        let known = |curve: &EventCurve| matches!(numbers.start[..], [x, y] if curve.passes(([x, y], orbit), walk));
+        if !curves.iter().any(known) {
+            curves.push(event_curve(orbit, *event, *evidence, &numbers, walk)?);
+        }
+    }
+    Ok(curves)
+}
+
+fn check(numbers: &FreeNumbers, &Walk { window, tolerance, .. }: &Walk<'_>) -> Result<(), CurveError> {
+    let (&[one, other], [name, other_name]) = (&numbers.start[..], &numbers.names[..]) else {
+        return Err(CurveError::Numbers(numbers.start.len()));
+    };
+    if name == other_name {
+        return Err(CurveError::Same(name.clone()));
+    }
+    if !(1e-12..=1e-2).contains(&tolerance) {
+        return Err(CurveError::Tolerance(tolerance));
+    }
+    for (i, (value, name)) in [(one, name), (other, other_name)].into_iter().enumerate() {
+        let (from, to) = (window.from[i], window.to[i]);
+        if !(from <= value && value <= to && from < to) {
+            return Err(CurveError::Outside { name: name.clone(), value, from, to });
+        }
+    }
+    Ok(())
 }

@@ -65,7 +65,7 @@ impl Tracer<'_> {
             add(Special::OneToTwo, 0, std::f64::consts::PI - theta);
         }
         let mut on_circle = false;
-        if !self.asked.special {
+        if !self.asked.walk.special {
             return Seen { monitors, physical, on_circle };
         }
         for (i, impact) in orbit.impacts().iter().enumerate() {

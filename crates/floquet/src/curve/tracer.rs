@@ -6,7 +6,7 @@ use vibrochain_breather::{
     Admissibility, BranchError, BreatherError, ContactOrbit, Family, Obstruction, SolutionCurve, SolutionPoint,
 };
 
-use super::answer::CurvePoint;
+use super::answer::{CurvePoint, Walk, Window};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventSystem, TOUCHES, Test, Watcher};
 use crate::locate::{Event, Evidence};
@@ -46,27 +46,12 @@ pub(crate) struct CurveRequest<'a> {
     pub(crate) evidence: Evidence,
     /// What its orbits are called while their impacts are those of it.
     pub(crate) name: Family,
-    /// Least and largest values of both numbers.
-    pub(crate) window: [[f64; 2]; 2],
+    pub(crate) window: Window,
     pub(crate) tolerance: f64,
     /// The number at whose least value masses are not coupled, if it is that.
     pub(crate) uncoupled: Option<usize>,
-    /// Whether points of codimension two are looked for.
-    pub(crate) special: bool,
-    /// Told of each point, whether the curve need go no farther.
-    pub(crate) until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
-}
-
-impl CurveRequest<'_> {
-    pub(super) fn parts(&self, values: [f64; 2]) -> [f64; 2] {
-        let [from, to] = self.window;
-        [0, 1].map(|i| (values[i] - from[i]) / (to[i] - from[i]))
-    }
-
-    pub(super) fn holds(&self, values: [f64; 2]) -> bool {
-        let [from, to] = self.window;
-        (0..2).all(|i| (from[i]..=to[i]).contains(&values[i]))
-    }
+    /// What else is asked.
+    pub(crate) walk: &'a Walk<'a>,
 }
 
 /// Whether an orbit is physical, touches aside.

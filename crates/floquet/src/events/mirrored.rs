@@ -204,7 +204,7 @@ mod tests {
                 for orbit in found.orbits.iter().filter_map(vibrochain_breather::Orbit::contacts) {
                     let Some(values) = half_sums(orbit) else { continue };
                     let Ok((multipliers, _)) = participating_multipliers(orbit, Tolerance::Rounding) else { continue };
-                    let mut right = of_multipliers(&multipliers, false);
+                    let mut right = of_multipliers(&multipliers);
                     assert_eq!(values.len(), right.len(), "{word}");
                     orbits += 1;
                     for nu in values {

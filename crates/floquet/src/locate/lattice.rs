@@ -87,7 +87,7 @@ pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diag
 }
 
 /// Whether a parameter other than that of the model leaves no orbit without a force.
-pub(crate) fn needs_force(free: Parameter) -> bool {
+fn needs_force(free: Parameter) -> bool {
     matches!(free.row().part, Part::Driving | Part::Dashpots)
 }
 

@@ -35,5 +35,4 @@ pub use answer::{
 };
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
 pub use diagram::{BranchRequest, branch_events, branches};
-pub(crate) use lattice::needs_force;
 pub use lattice::{diagram, diagram_until, locate, locate_until};

@@ -48,8 +48,7 @@ impl Borders {
         }
         ensure!(asked.places <= MOST_ASKED, "{} places are out of range: give at most {MOST_ASKED}", asked.places);
         let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
-        let plane =
-            vibrochain_floquet::Window { parameters, from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };
+        let plane = vibrochain_floquet::Window { from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };
         let empty = Self {
             parameters,
             borders: Vec::new(),
@@ -62,7 +61,7 @@ impl Borders {
         let search = |part| {
             let grid = Grid::new([0, 0], Vec::new());
             let (asked, found, known) = (*asked, empty.clone(), Known::default());
-            Search { scene, asked, window, plane, part, known, grid, found }
+            Search { scene, asked, window, parameters, plane, part, known, grid, found }
         };
         let mut searches: Vec<Search<'_>> = parts.iter().map(search).collect();
         for search in &mut searches {

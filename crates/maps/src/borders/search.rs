@@ -3,7 +3,8 @@
 use std::cell::Cell;
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
-use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
+use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, event_curve};
+use vibrochain_lattice::Parameter;
 
 use super::asked::{BorderRequest, Stage};
 use super::border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
@@ -44,6 +45,7 @@ pub(super) struct Search<'a> {
     pub(super) scene: &'a Scene,
     pub(super) asked: BorderRequest<'a>,
     pub(super) window: Window,
+    pub(super) parameters: [Parameter; 2],
     pub(super) plane: vibrochain_floquet::Window,
     pub(super) part: &'a Part,
     pub(super) known: Known,
@@ -255,7 +257,7 @@ impl Search<'_> {
         }
         for located in &met.events {
             let Some(model) = located.orbit.model() else { continue };
-            let place = self.window.part(self.plane.place(model));
+            let place = self.window.part(self.parameters.map(|parameter| model.get(parameter)));
             if self.known.holds(place, reach) {
                 outcome.explained = true;
             } else if let Some(border) = self.follow(located) {
@@ -347,7 +349,8 @@ impl Search<'_> {
             stop: self.asked.stop.clone(),
             ..Walk::new(self.plane, self.asked.tolerance)
         };
-        let curve = curve_along(&located.orbit, located.event, located.evidence, &walk).ok()?;
+        let numbers = located.orbit.lattice().ok()?.numbers(&self.parameters, self.asked.stop);
+        let curve = event_curve(&located.orbit, located.event, located.evidence, &numbers, &walk).ok()?;
         let point = |point: &vibrochain_floquet::CurvePoint| BorderPoint {
             values: point.values,
             error: point.error,

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{ModelFamily, Orbit};
-use vibrochain_floquet::{BranchedOrbit, CurveError, EventCurve, Evidence, Located, Rectangle, event_curve};
-use vibrochain_lattice::Stop;
+use vibrochain_breather::{FreeNumbers, ModelFamily, Orbit};
+use vibrochain_floquet::{BranchedOrbit, Evidence, Located};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
@@ -68,24 +67,15 @@ pub fn event(found: &Located) -> Value {
     told.into()
 }
 
-/// The curves of all these events along the first of two numbers, each followed once. `value` is where the second number is.
+/// The same, from where a scene has the numbers.
 ///
 /// # Errors
-/// [`CurveError`]
-pub fn curves<'a>(
-    scene: &StructureScene,
-    (settings, value): ([Setting; 2], f64),
-    located: impl IntoIterator<Item = &'a Located>,
-    (window, tolerance): (Rectangle, f64),
-    stop: &Stop,
-) -> Result<Vec<EventCurve>, CurveError> {
-    let models = family(scene, &settings);
-    let mut curves: Vec<EventCurve> = Vec::new();
-    for located in located {
-        let place = [located.value, value];
-        if !curves.iter().any(|curve| curve.passes((place, &located.orbit), tolerance, |values| window.parts(values))) {
-            curves.push(event_curve(located, &models, place, window, tolerance, stop)?);
-        }
-    }
-    Ok(curves)
+/// As [`value`].
+pub fn numbers(scene: &StructureScene, settings: &[Setting]) -> Result<FreeNumbers, String> {
+    Ok(FreeNumbers {
+        models: family(scene, settings),
+        start: settings.iter().map(|setting| value(scene, *setting)).collect::<Result<_, _>>()?,
+        names: settings.iter().map(ToString::to_string).collect(),
+        coupling: None,
+    })
 }

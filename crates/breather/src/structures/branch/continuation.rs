@@ -6,7 +6,7 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, LinearMode, ModalStructure, Stop};
 
-use super::family::{MOVED, ModelFamily, is_idle, loses_energy};
+use super::family::{MOVED, ModelFamily, brings_load, is_idle, loses_energy};
 use super::images::is_own_image;
 use super::reduction::Reduction;
 use crate::branch_error::BranchError;
@@ -160,6 +160,9 @@ impl Continuation {
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
         if !equations.has_time() && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
             return Err(BreatherError::LossWithoutLoad.into());
+        }
+        if !equations.forced && (0..values.len()).any(|k| brings_load(&family, values, k)) {
+            return Err(BreatherError::LoadWithoutPhase.into());
         }
         if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
             return Err(BreatherError::NoEffect.into());
