@@ -89,7 +89,10 @@ pub enum BreatherError {
     #[error(
         "the orbit has no load, which what varies would bring: vary a number that brings none, or start under a load"
     )]
-    LoadWithoutPhase,
+    LoadWithoutPhase {
+        /// Which of the numbers that vary brings it, from 0.
+        which: usize,
+    },
     /// Periods of a load that there is not.
     #[error(
         "force-periods = {force_periods}: no load acts, and a self-excited orbit has a period of its own; leave them out"

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use vibrochain_breather::{BreatherError, Family, Finder, Orbit, breathers};
+use vibrochain_breather::{Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
     Analyser, CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Walk, event_curve, locate, stability,
 };
@@ -277,7 +277,7 @@ fn what_cannot_be_followed_is_told() {
     assert_eq!(with([Parameter::Omega; 2], 1e-6), CurveError::Same("omega".to_owned()));
     assert_eq!(with([Parameter::Omega, Parameter::Gamma2], 0.1), CurveError::Tolerance(0.1));
     let force = with([Parameter::Omega, Parameter::Amplitude], 1e-6);
-    assert_eq!(force, CurveError::Branch(BreatherError::LoadWithoutPhase.into()));
+    assert_eq!(force, CurveError::NoLoad("amplitude".to_owned()));
     let message = with([Parameter::Gamma1, Parameter::Gamma2], 1e-6).to_string();
     assert!(message.contains("gamma1 = 0.2 is not in the window from 0.4 to 3"), "{message}");
 }

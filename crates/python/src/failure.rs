@@ -167,9 +167,11 @@ impl From<CurveError> for Failure {
         match error {
             CurveError::Branch(branch) => branch.into(),
             CurveError::NotThere(_) => Self::NotConverged(error.to_string()),
-            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::Numbers(_) | CurveError::Tolerance(_) => {
-                Self::Request(error.to_string())
-            }
+            CurveError::Outside { .. }
+            | CurveError::Same(_)
+            | CurveError::NoLoad(_)
+            | CurveError::Numbers(_)
+            | CurveError::Tolerance(_) => Self::Request(error.to_string()),
         }
     }
 }

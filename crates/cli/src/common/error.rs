@@ -135,9 +135,11 @@ impl From<FloquetError> for CliError {
 impl From<CurveError> for CliError {
     fn from(error: CurveError) -> Self {
         match error {
-            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::Numbers(_) | CurveError::Tolerance(_) => {
-                Self::Request(error.to_string())
-            }
+            CurveError::Outside { .. }
+            | CurveError::Same(_)
+            | CurveError::NoLoad(_)
+            | CurveError::Numbers(_)
+            | CurveError::Tolerance(_) => Self::Request(error.to_string()),
             CurveError::Branch(BranchError::Breather(breather)) => breather.into(),
             CurveError::NotThere(_) | CurveError::Branch(_) => Self::Computation(error.to_string()),
         }

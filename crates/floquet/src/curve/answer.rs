@@ -246,6 +246,11 @@ pub enum CurveError {
     /// Both axes have the same number.
     #[error("both parameters are {0}: a curve needs two")]
     Same(String),
+    /// It brings a load to an orbit without one, which has no phase to begin with.
+    #[error(
+        "an orbit without a load has no {0}: vary what brings none, as a stiffness, a frequency or a barrier, or start under a load"
+    )]
+    NoLoad(String),
     /// Not two numbers vary.
     #[error("{0} numbers vary: a curve needs two")]
     Numbers(usize),

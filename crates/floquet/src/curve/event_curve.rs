@@ -1,6 +1,6 @@
 //! An event of orbits, followed through a window of two numbers of their model.
 
-use vibrochain_breather::{BranchError, Continuation, FreeNumbers, Orbit};
+use vibrochain_breather::{BranchError, BreatherError, Continuation, FreeNumbers, Orbit};
 
 use super::answer::{CurveError, EventCurve, Walk};
 use super::tracer::CurveRequest;
@@ -38,7 +38,13 @@ pub fn event_curve(
     let &Walk { window, tolerance, ref stop, .. } = walk;
     check(numbers, walk)?;
     let start = orbit.followed(stop).map_err(BranchError::from)?;
-    let base = Continuation::through(&start, numbers.models.clone(), &numbers.start, &window.sides(), stop)?;
+    let base = Continuation::through(&start, numbers.models.clone(), &numbers.start, &window.sides(), stop);
+    let base = base.map_err(|error| match error {
+        BranchError::Breather(BreatherError::LoadWithoutPhase { which }) => {
+            CurveError::NoLoad(numbers.names[which].clone())
+        }
+        error => error.into(),
+    })?;
     let uncoupled = numbers.coupling.filter(|&i| window.from[i] == 0.0);
     let asked = CurveRequest { event, evidence, name: orbit.family(), window, tolerance, uncoupled, walk };
     let found = followed((base, &start), Watcher::default(), &asked);

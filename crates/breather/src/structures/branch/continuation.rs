@@ -161,8 +161,10 @@ impl Continuation {
         if !equations.has_time() && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
             return Err(BreatherError::LossWithoutLoad.into());
         }
-        if !equations.forced && (0..values.len()).any(|k| brings_load(&family, values, k)) {
-            return Err(BreatherError::LoadWithoutPhase.into());
+        if !equations.forced
+            && let Some(which) = (0..values.len()).find(|&k| brings_load(&family, values, k))
+        {
+            return Err(BreatherError::LoadWithoutPhase { which }.into());
         }
         if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
             return Err(BreatherError::NoEffect.into());
