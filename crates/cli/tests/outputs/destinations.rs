@@ -226,6 +226,7 @@ fn links_are_followed_also_to_what_is_yet_to_be_made() {
 #[test]
 fn folders_are_refused_before_anything_is_computed() {
     let dir = TestDir::with_scene(&large().replace("families", "stability = true\nfamilies"));
+    fs::copy(dir.path("scene.toml"), dir.path("thin.toml")).unwrap();
     dir.run("sweep scene.toml --out parts --shard 46/2000 --quiet").with(0, &[]);
     fs::create_dir(dir.path("elsewhere")).unwrap();
     symlink("elsewhere", dir.path("link")).unwrap();
