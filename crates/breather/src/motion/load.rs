@@ -30,7 +30,7 @@ impl Modes<'_> {
         }
     }
 
-    /// What their shapes lack to be those of a kernel.
+    /// The factor of each mode in the impulse response.
     fn weights(&self) -> &[f64] {
         match self {
             Self::Free(response) => response.weights(),
@@ -38,7 +38,8 @@ impl Modes<'_> {
         }
     }
 
-    /// Adds the states, weights apart, that a net impulse holds up; with dashpots it is a part of what impulses do.
+    /// Adds states for one source, without the factors: at rest where the mean force of its impulses holds each mode. With dashpots they are 0, as
+    /// [`Self::add_response`] has that part, too.
     fn begin(&self, states: &mut Vec<(f64, f64)>, net: f64) {
         match self {
             Self::Free(response) => states.extend(response.statics().iter().map(|part| (net * part, 0.0))),
@@ -46,7 +47,7 @@ impl Modes<'_> {
         }
     }
 
-    /// Adds what an impulse does to all modes, weights apart, some time after it.
+    /// Adds what an impulse does to all modes, without the factors, some time after it.
     fn add_response(&self, states: &mut [(f64, f64)], impulse: f64, elapsed: f64) {
         match self {
             Self::Free(response) => add_response(states, response, impulse, elapsed),
@@ -54,7 +55,7 @@ impl Modes<'_> {
         }
     }
 
-    /// Whether the place of the uniform mode is not that of its impulses, but given.
+    /// Whether the orbit itself tells where the uniform mode stands: its impulses do not.
     fn are_adrift(&self, orbit: LatticeOrbit<'_>) -> bool {
         match self {
             Self::Free(_) => !orbit.model().chain().has_walls(),

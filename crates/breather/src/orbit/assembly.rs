@@ -8,8 +8,8 @@ use crate::orbit::{Draft, Family, Hit, Impact, LatticePart, Of, Orbit, sources};
 use crate::worse;
 
 impl Orbit {
-    /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit; `response` is that of the lattice, `None` with
-    /// dashpots.
+    /// Works out velocities, accelerations and the residual; `motion` holds the orbit afterwards. `response` is the impulse response of the lattice,
+    /// `None` of one with dashpots.
     pub(crate) fn assemble(
         model: &Model,
         response: Option<&ImpulseResponse>,

@@ -178,7 +178,7 @@ impl LatticeOrbit<'_> {
         remembering(at, self.hit_sites(), stop)
     }
 
-    /// The same, with where the parameters are.
+    /// These parameters as numbers that vary, from where the orbit has them.
     pub fn numbers(self, free: &[Parameter], stop: &Stop) -> FreeNumbers {
         FreeNumbers {
             models: self.models(free, stop),

@@ -73,7 +73,7 @@ pub(crate) trait Along: Sized {
     fn head(&self) -> Map<String, Value>;
     fn diagram(&self, free: Self::Free, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError>;
     fn located(&self, event: Event, free: Self::Free, range: [f64; 2], stop: &Stop) -> Result<Events, CliError>;
-    /// The numbers that vary along curves, from where they begin.
+    /// The two numbers that vary along a curve, and where they start.
     fn numbers(&self, free: [Self::Free; 2], stop: &Stop) -> Result<FreeNumbers, CliError>;
 
     /// Which orbits, what is fixed, and where the number that varies begins.

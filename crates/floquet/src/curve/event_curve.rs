@@ -35,7 +35,7 @@ pub fn event_curve(
     numbers: &FreeNumbers,
     walk: &Walk<'_>,
 ) -> Result<EventCurve, CurveError> {
-    let &Walk { window, tolerance, ref stop, .. } = walk;
+    let Walk { window, stop, .. } = walk;
     check(numbers, walk)?;
     let start = orbit.followed(stop).map_err(BranchError::from)?;
     let base = Continuation::through(&start, numbers.models.clone(), &numbers.start, &window.sides(), stop);
@@ -46,7 +46,7 @@ pub fn event_curve(
         error => error.into(),
     })?;
     let uncoupled = numbers.coupling.filter(|&i| window.from[i] == 0.0);
-    let asked = CurveRequest { event, evidence, name: orbit.family(), window, tolerance, uncoupled, walk };
+    let asked = CurveRequest { event, evidence, name: orbit.family(), uncoupled, walk };
     let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;

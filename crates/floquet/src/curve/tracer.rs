@@ -6,7 +6,7 @@ use vibrochain_breather::{
     Admissibility, BranchError, BreatherError, ContactOrbit, Family, Obstruction, SolutionCurve, SolutionPoint,
 };
 
-use super::answer::{CurvePoint, Walk, Window};
+use super::answer::{CurvePoint, Walk};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventSystem, TOUCHES, Test, Watcher};
 use crate::locate::{Event, Evidence};
@@ -46,11 +46,9 @@ pub(crate) struct CurveRequest<'a> {
     pub(crate) evidence: Evidence,
     /// What its orbits are called while their impacts are those of it.
     pub(crate) name: Family,
-    pub(crate) window: Window,
-    pub(crate) tolerance: f64,
     /// The number at whose least value masses are not coupled, if it is that.
     pub(crate) uncoupled: Option<usize>,
-    /// What else is asked.
+    /// Where to, and how.
     pub(crate) walk: &'a Walk<'a>,
 }
 

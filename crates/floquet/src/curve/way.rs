@@ -132,7 +132,7 @@ type Passed = (Vec<TracedPoint>, Vec<Noted>, CurveEnd);
 impl Tracer<'_> {
     fn way(&mut self, start: TracedPoint) -> Passed {
         let seen = self.seen(&start, GROWTH);
-        let tolerance = self.asked.tolerance;
+        let tolerance = self.asked.walk.tolerance;
         let mut way = Way { tracer: self, seen, special: Vec::new(), told: 0, why: BranchError::NoConvergence };
         let (points, end) = trace(&mut way, start, tolerance);
         (points, way.special, end)
@@ -187,29 +187,29 @@ impl Line for Way<'_, '_> {
         let foreseen = self.tracer.foreseen(passed, length)?;
         // A number that has reached the end of its range may have no model beyond.
         let mut beyond = [foreseen[foreseen.len() - 2], foreseen[foreseen.len() - 1]];
-        if asked.window.holds(beyond) {
+        if asked.walk.window.holds(beyond) {
             let next = told(self.tracer.advance(passed, length))?;
             // Where rounding hides the way on, what is found may lie behind.
             if self.tracer.manifold.length_between(last, &next) <= CLOSEST {
                 self.why = BranchError::NoConvergence;
                 return None;
             }
-            if asked.window.holds(values(&next)) {
+            if asked.walk.window.holds(values(&next)) {
                 return Some(Step::On(next));
             }
             beyond = values(&next);
         }
-        let [here, there] = [values(last), beyond].map(|values| asked.window.parts(values));
+        let [here, there] = [values(last), beyond].map(|values| asked.walk.window.parts(values));
         let Side { parameter: which, goal, share } = side_ahead(here, [there[0] - here[0], there[1] - here[1]])?;
         let mut z = self.tracer.foreseen(passed, length * share.min(1.0))?;
         let place = z.len() - 2 + which;
-        z[place] = if goal > 0.0 { asked.window.to } else { asked.window.from }[which];
+        z[place] = if goal > 0.0 { asked.walk.window.to } else { asked.walk.window.from }[which];
         // The row heads the way of the step.
         let row: Vector = unit(z.len(), place).iter().map(|x| x * (2.0 * goal - 1.0)).collect();
         let edge = told(self.tracer.manifold.correct(&z, &row, START.max(length), false))?;
         let uncoupled = asked.uncoupled == Some(which) && goal == 0.0;
         let end = if uncoupled { CurveEnd::Uncoupled } else { CurveEnd::Edge };
-        asked.window.holds(values(&edge)).then_some(Step::Out(Some(edge), end))
+        asked.walk.window.holds(values(&edge)).then_some(Step::Out(Some(edge), end))
     }
 
     /// Impulses that grow without bound set a longer scale.
@@ -221,7 +221,7 @@ impl Line for Way<'_, '_> {
     fn bend(&self, through: [&Self::Point; 3]) -> f64 {
         let [a, b, c] = through;
         let lengths = [self.tracer.manifold.distance(a, b), self.tracer.manifold.distance(b, c)];
-        chord_error(through.map(|point| self.tracer.asked.window.parts(values(point))), lengths)
+        chord_error(through.map(|point| self.tracer.asked.walk.window.parts(values(point))), lengths)
     }
 
     fn closed(&mut self, passed: &[Self::Point], next: &Self::Point) -> Option<Self::Point> {
@@ -318,7 +318,7 @@ impl Line for Way<'_, '_> {
         }
         // Modes that are alike without coupling have multipliers that no digits tell apart nearby.
         let asked = self.tracer.asked;
-        let part = |which: usize| passed.last().map_or(1.0, |point| asked.window.parts(values(point))[which]);
+        let part = |which: usize| passed.last().map_or(1.0, |point| asked.walk.window.parts(values(point))[which]);
         if asked.uncoupled.is_some_and(|which| part(which) <= BARELY) {
             return CurveEnd::Uncoupled;
         }

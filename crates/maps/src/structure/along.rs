@@ -67,7 +67,7 @@ pub fn event(found: &Located) -> Value {
     told.into()
 }
 
-/// The same, from where a scene has the numbers.
+/// These settings as numbers that vary, from where the scene has them.
 ///
 /// # Errors
 /// As [`value`].

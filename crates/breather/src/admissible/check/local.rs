@@ -30,7 +30,7 @@ pub(super) struct Stretch {
     pub(super) turns: bool,
 }
 
-/// Sets the window's unit of time by the fastest motion of an orbit, of which the time until `horizon` is checked.
+/// Sets the window's unit of time by the fastest motion of an orbit, which is checked until `horizon`.
 ///
 /// # Errors
 /// [`BreatherError::TooStiff`]

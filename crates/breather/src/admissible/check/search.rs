@@ -8,7 +8,7 @@ use crate::admissible::answer::Obstruction;
 use crate::admissible::gap::{Closest, Depth};
 use crate::orbit::{Impact, SIMULTANEOUS, time_between};
 
-/// Memory for the lists of one search, which the next search takes over.
+/// Lists of a search. The next search reuses their memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lists {
     pub(super) pending: Vec<(f64, f64)>,

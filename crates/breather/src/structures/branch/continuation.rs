@@ -6,7 +6,7 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, LinearMode, ModalStructure, Stop};
 
-use super::family::{MOVED, ModelFamily, brings_load, is_idle, loses_energy};
+use super::family::{MOVED, ModelFamily, check};
 use super::images::is_own_image;
 use super::reduction::Reduction;
 use crate::branch_error::BranchError;
@@ -158,17 +158,7 @@ impl Continuation {
         own.extend(std::iter::repeat_n(reach, felt.len()));
         let size = own.len();
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
-        if !equations.has_time() && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
-            return Err(BreatherError::LossWithoutLoad.into());
-        }
-        if !equations.forced
-            && let Some(which) = (0..values.len()).find(|&k| brings_load(&family, values, k))
-        {
-            return Err(BreatherError::LoadWithoutPhase { which }.into());
-        }
-        if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
-            return Err(BreatherError::NoEffect.into());
-        }
+        check(&family, values, &equations)?;
         let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
         origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));
         origin.extend(orbit.psi());

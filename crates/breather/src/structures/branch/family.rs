@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::error::BreatherError;
+use crate::structures::equations::Equations;
 use crate::structures::model::LoadedStructure;
 
 /// How far a number is moved, relative, to see whether it brings losses, changes nothing at all, or breaks a symmetry.
@@ -19,7 +21,7 @@ pub struct FreeNumbers {
     pub start: Vec<f64>,
     /// What they are called.
     pub names: Vec<String>,
-    /// Which of them couples the masses: where it is 0, multipliers of modes become as one.
+    /// Which of them is the coupling of the masses, if one is: where it is 0, all modes have the same multipliers.
     pub coupling: Option<usize>,
 }
 
@@ -32,17 +34,25 @@ fn aside(family: &ModelFamily, values: &[f64], which: usize) -> [Result<LoadedSt
     })
 }
 
-/// Whether one of the numbers brings losses where it moves.
-pub(super) fn loses_energy(family: &ModelFamily, values: &[f64], which: usize) -> bool {
-    aside(family, values, which).into_iter().flatten().any(|model| !model.structure().is_lossless())
-}
-
-/// Whether one of the numbers brings a load that changes where it moves.
-pub(super) fn brings_load(family: &ModelFamily, values: &[f64], which: usize) -> bool {
-    aside(family, values, which).into_iter().flatten().any(|model| model.structure().is_forced())
-}
-
-/// Whether a self-excited structure is the same wherever one of the numbers moves: ω, which no load has.
-pub(super) fn is_idle(family: &ModelFamily, values: &[f64], which: usize) -> bool {
-    matches!(aside(family, values, which), [Ok(one), Ok(other)] if one.structure() == other.structure())
+/// Refuses numbers that bring losses or a load to an orbit without a load, or that change nothing of a self-excited structure.
+pub(super) fn check(family: &ModelFamily, values: &[f64], equations: &Equations<'_>) -> Result<(), BreatherError> {
+    if equations.forced {
+        return Ok(());
+    }
+    for which in 0..values.len() {
+        let moved = aside(family, values, which);
+        let mut structures = moved.iter().flatten().map(LoadedStructure::structure);
+        if !equations.has_time() && structures.clone().any(|structure| !structure.is_lossless()) {
+            return Err(BreatherError::LossWithoutLoad);
+        }
+        if structures.any(|structure| structure.is_forced()) {
+            return Err(BreatherError::LoadWithoutPhase { which });
+        }
+        // As ω does, which no load has.
+        let is_idle = || matches!(&moved, [Ok(one), Ok(other)] if one.structure() == other.structure());
+        if equations.self_excited && is_idle() {
+            return Err(BreatherError::NoEffect);
+        }
+    }
+    Ok(())
 }
